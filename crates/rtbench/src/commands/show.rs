@@ -22,12 +22,10 @@ use measurement::system::machine;
 use measurement::system::pools::pool;
 use presentation::drawing::Drawing;
 use presentation::table::{Cell, Style, Table};
-use studies::showing::picture::{Frame, View};
-use studies::showing::sections::outline;
-use studies::showing::{
-    DrawnStructure, Plane, Projection, SectionKind, bodies, focus, path_through, picture,
-    scene_box, sections,
-};
+use studies::showing::picture::{DrawnStructure, Frame, View, picture};
+use studies::showing::ray_path::{focus, path_through};
+use studies::showing::sections::{cells, outline};
+use studies::showing::view::{Plane, Projection, scene_box};
 
 /// Draws the picture, and lists the steps of a ray.
 pub fn run(context: &mut Context<'_>, args: &ShowArgs) -> Result<u8, Error> {
@@ -80,13 +78,14 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs) -> Result<u8, Error> {
             let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
             let path = ray.as_ref().map(|ray| path_through(&*tracer, ray, &plane, &loaded));
             let path = path.transpose().map_err(no_cells)?;
-            let seen = if args.project {
-                bodies(&*tracer, args.depth).map(SectionKind::Bodies)
-            } else {
-                sections(&*tracer, &plane, args.depth).map(SectionKind::Sections)
-            };
-            let seen = seen.map_err(no_cells)?;
-            Ok::<_, Error>(DrawnStructure { label: row.label(), stats: tracer.stats(), seen, path })
+            let cells = cells(&*tracer, (!args.project).then_some(&plane), args.depth);
+            let cells = cells.map_err(no_cells)?;
+            Ok::<_, Error>(DrawnStructure {
+                label: row.label(),
+                stats: tracer.stats(),
+                cells,
+                path,
+            })
         };
         shown.push(pool.install(one)?);
     }

@@ -16,11 +16,12 @@ use measurement::system::machine;
 use measurement::system::pools::deep_pool;
 use measurement::system::progress::Progress;
 use presentation::outside::line;
-use studies::verify::catalogue::{Case, find, select};
-use studies::verify::check::{CheckPlan, CheckWatch, PRECISIONS, ReplayOutcome, replay};
+use studies::verify::catalogue::{Case, select};
+use studies::verify::check::{CheckPlan, CheckWatch, PRECISIONS};
+use studies::verify::replay::{Replay, ReplayOutcome};
 use studies::verify::report::{Report, StopReason};
 use studies::verify::shrink::shrink;
-use studies::verify::subject::{Replay, Subject};
+use studies::verify::subject::Subject;
 
 /// The files of `-o`.
 const NAMES: [&str; 2] = ["verify.json", "verify.csv"];
@@ -54,7 +55,7 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs) -> Result<u8, Error> {
         writeln!(context.out)?;
         let failures = report.lines.iter().filter_map(|line| line.examples.first());
         for example in failures {
-            shrink_failure(context, folder, &Replay::parse(&example.replay)?)?;
+            shrink_failure(context, folder, &example.replay)?;
         }
     }
     Ok(match report.cut {
@@ -123,10 +124,9 @@ fn save(args: &VerifyArgs, report: &Report) -> Result<(), Error> {
 
 /// Reduces a failure, prints it, and writes its files.
 fn shrink_failure(context: &mut Context<'_>, folder: &Path, replay: &Replay) -> Result<(), Error> {
-    let (_, case) = find(&replay.case)?;
     let subject = Subject::parse(context.registry, &replay.subject)?;
     let pool = deep_pool(1)?;
-    let Some(shrunk) = pool.install(|| shrink(case, replay, &subject)) else {
+    let Some(shrunk) = pool.install(|| shrink(replay, &subject)) else {
         let text = format!(
             "{replay}: not reduced: it has primitives other than triangles, or only the oracle of \
              its case sees it"
@@ -152,10 +152,11 @@ fn shrink_failure(context: &mut Context<'_>, folder: &Path, replay: &Replay) -> 
 
 /// Repeats one trial and says what comes of it.
 fn repeat(context: &mut Context<'_>, args: &VerifyArgs, line: &Replay) -> Result<u8, Error> {
-    let (_, case) = find(&line.case)?;
+    let case = line.round.case;
     let subject = Subject::parse(context.registry, &line.subject)?;
-    let scene = || format!("{} round {}", case.id, line.round);
-    let ReplayOutcome { question, wrong, refused } = replay(case, line, &subject)
+    let scene = || format!("{} round {}", case.id, line.round.number);
+    let ReplayOutcome { question, wrong, refused } = line
+        .repeat(&subject)
         .map_err(|source| MeasureError::Build { scene: scene(), source })?
         .ok_or_else(|| PlanError::Malformed {
             text: line.to_string(),

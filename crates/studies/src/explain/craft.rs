@@ -15,131 +15,95 @@ const ALWAYS_DIRECT: [&str; 1] = ["obvhs-bvh2"];
 /// Structures without a setting for it that always have their triangles in blocks.
 const ALWAYS_BLOCKS: [&str; 2] = ["irregular-grid", "wide-bvh"];
 
-/// Code that sets up rays and tests primitives.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Adapter {
-    /// A library, as its authors use it.
-    Direct,
-    /// The same, with our tests of primitives that are not its triangles.
-    AsShipped,
-    /// We do, so that every answer is right.
-    Robust,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kernel {
-    Scalar,
-    /// Eight at a time.
-    Block,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum QueryMode {
-    /// One at a time.
-    OneRay,
-    /// Many in one call.
-    Batch,
-    /// The same, and those that run alike share steps.
-    Packets,
-}
-
-/// Properties of a row's code, as opposed to its structure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct CodeDifferences {
-    pub adapter: Adapter,
-    pub kernel: Kernel,
-    pub query: QueryMode,
-}
-
-impl CodeDifferences {
-    /// As set, over triangles in f32.
-    fn of(params: &Params) -> Self {
-        let adapter = match params.get("adapter") {
-            Some("direct") => Adapter::Direct,
-            None if ALWAYS_DIRECT.contains(&params.structure()) => Adapter::Direct,
-            _ => Adapter::Robust,
-        };
-        let has_blocks = match params.get("kernel") {
-            Some(kernel) => kernel == "block" && adapter == Adapter::Robust,
-            None => ALWAYS_BLOCKS.contains(&params.structure()),
-        };
-        // what can be asked for scalar tests answers batches by blocks alone
-        let query = match params.get("query") {
-            _ if !has_blocks && params.get("kernel").is_some() => QueryMode::OneRay,
-            Some("batch") => QueryMode::Batch,
-            Some("packets") => QueryMode::Packets,
-            _ => QueryMode::OneRay,
-        };
-        let is_block = has_blocks && !has_mailbox(params);
-        let kernel = if is_block { Kernel::Block } else { Kernel::Scalar };
-        Self { adapter, kernel, query }
-    }
-
-    /// As it was in a scene: blocks serve triangles alone, a library's own triangles f32, too;
-    /// whether batches were answered is recorded.
-    pub fn in_scene(self, scene: &SceneRecord, row: &RowRecord, precision: &str) -> Self {
-        let only_triangles = scene.only_triangles.unwrap_or(true);
-        let adapter = match self.adapter {
-            Adapter::Direct if !only_triangles || precision != "f32" => Adapter::AsShipped,
-            same => same,
-        };
-        let kernel = if only_triangles { self.kernel } else { Kernel::Scalar };
-        let query = match (row.query, self.query) {
-            (Query::OneRay, _) => QueryMode::OneRay,
-            (Query::Batch, QueryMode::Packets) => QueryMode::Packets,
-            (Query::Batch, _) => QueryMode::Batch,
-        };
-        Self { adapter, kernel, query }
-    }
-
-    /// The column of tables, and what CSV files call it.
-    pub fn name(self) -> &'static str {
-        match (self.adapter, self.kernel, self.query) {
-            (Adapter::Direct, ..) => "direct",
-            (Adapter::AsShipped, ..) => "as shipped",
-            (_, Kernel::Scalar, QueryMode::OneRay) => "scalar",
-            (_, Kernel::Block, QueryMode::OneRay) => "block",
-            (_, Kernel::Scalar, QueryMode::Batch) => "scalar, batch",
-            (_, Kernel::Block, QueryMode::Batch) => "block, batch",
-            (_, Kernel::Scalar, QueryMode::Packets) => "scalar, packets",
-            (_, Kernel::Block, QueryMode::Packets) => "block, packets",
-        }
-    }
-}
-
 /// A row of an explanation: a structure in a craft.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variant {
     /// The structure and those of its settings that are not code.
     pub structure: String,
-    pub craft: CodeDifferences,
+    /// Code that sets up rays and tests primitives: [`DIRECT`], [`AS_SHIPPED`] or [`ROBUST`].
+    pub adapter: &'static str,
+    /// Triangles at a time: [`SCALAR`] or [`BLOCK`].
+    pub kernel: &'static str,
+    /// Rays in a call: [`ONE_RAY`], [`BATCH`] or [`PACKETS`].
+    pub query: &'static str,
 }
 
+/// A library, as its authors use it.
+pub const DIRECT: &str = "direct";
+/// The same, with our tests of primitives that are not its triangles.
+pub const AS_SHIPPED: &str = "as-shipped";
+/// Our code, so that every answer is right.
+pub const ROBUST: &str = "robust";
+
+pub const SCALAR: &str = "scalar";
+pub const BLOCK: &str = "block";
+
+pub const ONE_RAY: &str = "one ray";
+pub const BATCH: &str = "batch";
+/// As in a batch, and rays that run alike share steps.
+pub const PACKETS: &str = "packets";
+
 impl Variant {
+    /// As set, over triangles in f32.
     pub fn of(row: &Row<'_>) -> Self {
-        let own = row.params.changed().filter(|(name, _)| !SETTINGS.contains(name));
+        let params = &row.params;
+        let own = params.changed().filter(|(name, _)| !SETTINGS.contains(name));
         let settings: String = own.map(|(name, value)| format!(" {name}={value}")).collect();
         let structure = format!("{}{settings}", row.structure());
-        Self { structure, craft: CodeDifferences::of(&row.params) }
+        let adapter = match params.get("adapter") {
+            Some(DIRECT) => DIRECT,
+            None if ALWAYS_DIRECT.contains(&params.structure()) => DIRECT,
+            _ => ROBUST,
+        };
+        let has_blocks = match params.get("kernel") {
+            Some(kernel) => kernel == BLOCK && adapter == ROBUST,
+            None => ALWAYS_BLOCKS.contains(&params.structure()),
+        };
+        // what can be asked for scalar tests answers batches by blocks alone
+        let query = match params.get("query") {
+            _ if !has_blocks && params.get("kernel").is_some() => ONE_RAY,
+            Some(BATCH) => BATCH,
+            Some(PACKETS) => PACKETS,
+            _ => ONE_RAY,
+        };
+        let is_block = has_blocks && !has_mailbox(params);
+        let kernel = if is_block { BLOCK } else { SCALAR };
+        Self { structure, adapter, kernel, query }
+    }
+
+    /// As it was in a scene: blocks serve triangles alone, a library's own triangles f32, too;
+    /// whether batches were answered is recorded.
+    pub fn in_scene(&self, scene: &SceneRecord, row: &RowRecord, precision: &str) -> Self {
+        let only_triangles = scene.only_triangles.unwrap_or(true);
+        let adapter = match self.adapter {
+            DIRECT if !only_triangles || precision != "f32" => AS_SHIPPED,
+            same => same,
+        };
+        let kernel = if only_triangles { self.kernel } else { SCALAR };
+        let query = match (row.query, self.query) {
+            (Query::OneRay, _) => ONE_RAY,
+            (Query::Batch, PACKETS) => PACKETS,
+            (Query::Batch, _) => BATCH,
+        };
+        Self { structure: self.structure.clone(), adapter, kernel, query }
+    }
+
+    /// Its craft: the column of tables, and what CSV files call it.
+    pub fn name(&self) -> &'static str {
+        match (self.adapter, self.kernel, self.query) {
+            (DIRECT, ..) => DIRECT,
+            (AS_SHIPPED, ..) => "as shipped",
+            (_, kernel, ONE_RAY) => kernel,
+            (_, SCALAR, BATCH) => "scalar, batch",
+            (_, _, BATCH) => "block, batch",
+            (_, SCALAR, _) => "scalar, packets",
+            _ => "block, packets",
+        }
     }
 
     /// Its properties, in the order of [`AXES`](crate::explain::steps::AXES).
     pub fn values(&self) -> [&str; 4] {
-        let adapter = match self.craft.adapter {
-            Adapter::Direct => "direct",
-            Adapter::AsShipped => "as-shipped",
-            Adapter::Robust => "robust",
-        };
-        let kernel = match self.craft.kernel {
-            Kernel::Scalar => "scalar",
-            Kernel::Block => "block",
-        };
-        let query = match self.craft.query {
-            QueryMode::OneRay => Query::OneRay.name(),
-            QueryMode::Batch => Query::Batch.name(),
-            QueryMode::Packets => "packets",
-        };
-        [adapter, kernel, &self.structure, query]
+        [self.adapter, self.kernel, &self.structure, self.query]
     }
 }
 
@@ -168,7 +132,7 @@ pub fn crafts_of<'r>(row: &Row<'r>) -> Result<Vec<Row<'r>>, PlanError> {
     let is_other = |(name, _): &(&str, &str)| !SETTINGS.contains(name);
     let [adapters, kernels, queries] = SETTINGS.map(words);
     for adapter in adapters {
-        let is_direct = adapter.is_some_and(|(_, word)| word == "direct");
+        let is_direct = adapter.is_some_and(|(_, word)| word == DIRECT);
         // a library's own test reads no kernel
         for kernel in if is_direct { &[None][..] } else { &kernels } {
             for query in &queries {
@@ -176,8 +140,7 @@ pub fn crafts_of<'r>(row: &Row<'r>) -> Result<Vec<Row<'r>>, PlanError> {
                     row.params.changed().filter(is_other).collect();
                 settings.extend([adapter, *kernel, *query].into_iter().flatten());
                 let other = Row::of(row.entry, &settings)?;
-                let craft = CodeDifferences::of(&other.params);
-                if rows.iter().all(|known| CodeDifferences::of(&known.params) != craft) {
+                if rows.iter().all(|known| Variant::of(known) != Variant::of(&other)) {
                     rows.push(other);
                 }
             }
@@ -198,7 +161,7 @@ mod tests {
         assert_eq!(rows[0], row);
         let variants: Vec<Variant> = rows.iter().map(Variant::of).collect();
         assert!(variants.iter().all(|v| v.structure == variants[0].structure), "{variants:?}");
-        variants.iter().map(|v| v.craft.name()).collect()
+        variants.iter().map(Variant::name).collect()
     }
 
     #[test]

@@ -40,10 +40,9 @@ pub struct ExplainSettings {
 #[derive(Debug)]
 pub struct Explain<'r> {
     pub plan: Plan<'r>,
-    /// Variant of each row of the plan, over triangles in f32.
+    /// Variant of each row of the plan, over triangles in f32. The first is the row in question, the
+    /// plan's baseline the other.
     pub variants: Vec<Variant>,
-    /// The index of the row in question; that of the other is the plan's baseline.
-    pub row: usize,
 }
 
 impl<'r> Explain<'r> {
@@ -87,7 +86,7 @@ impl<'r> Explain<'r> {
         // no image is asked for
         plan.limits.render_pass = 0.0;
         plan.set_processes(args.processes)?;
-        Ok(Self { plan, variants, row: 0 })
+        Ok(Self { plan, variants })
     }
 }
 
@@ -137,14 +136,13 @@ pub struct Explanation<'a> {
 
 impl<'a> Explanation<'a> {
     pub fn of(explain: &Explain<'_>, run: &'a RunRecord, scene: &'a SceneRecord) -> Self {
-        let ends = [explain.row, explain.plan.baseline];
+        let ends = [0, explain.plan.baseline];
         let mut variants: Vec<Option<Variant>> = vec![None; scene.rows.len()];
         for i in ends.into_iter().chain(0..scene.rows.len()) {
             let (Some(row), Some(nominal)) = (scene.rows.get(i), explain.variants.get(i)) else {
                 continue;
             };
-            let craft = nominal.craft.in_scene(scene, row, &run.settings.precision);
-            let variant = Some(Variant { craft, ..nominal.clone() });
+            let variant = Some(nominal.in_scene(scene, row, &run.settings.precision));
             let is_new = ends.contains(&i) || !variants.contains(&variant);
             if let Some(place) = variants.get_mut(i).filter(|_| is_new) {
                 *place = variant;
@@ -154,7 +152,7 @@ impl<'a> Explanation<'a> {
             variant.clone().filter(|_| row.verdict.is_timed() && row.ratio.is_some())
         };
         let timed: Vec<Option<Variant>> = scene.rows.iter().zip(&variants).map(is_timed).collect();
-        let factors = steps(&timed, explain.plan.baseline, explain.row);
+        let factors = steps(&timed, explain.plan.baseline, 0);
         Self { run, scene, variants, factors }
     }
 
@@ -240,7 +238,7 @@ mod tests {
         let explain = explain("uniform-grid", None).unwrap();
         let labels: Vec<String> = explain.plan.rows.iter().map(|row| row.label()).collect();
         assert_eq!(labels, ROWS.iter().map(|(label, _)| *label).collect::<Vec<_>>());
-        assert_eq!((explain.row, explain.plan.baseline), (0, 3));
+        assert_eq!(explain.plan.baseline, 3);
         assert!(explain.plan.same_rays && explain.plan.keeps_baseline);
         let same = self::explain("obvhs-cwbvh:adapter=robust", Some("obvhs-cwbvh")).unwrap();
         assert_eq!((same.plan.rows.len(), same.plan.baseline), (3, 1));

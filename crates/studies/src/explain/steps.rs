@@ -6,6 +6,8 @@
 //! brings, whichever of the others were changed before (L. S. Shapley, "A Value for n-Person
 //! Games", 1953, of logarithms).
 
+use std::collections::BTreeMap;
+
 use crate::explain::craft::Variant;
 
 /// Properties in which two rows may differ, in the order of tables and of [`Variant::values`].
@@ -54,22 +56,20 @@ pub fn steps(rows: &[Option<Variant>], from: usize, to: usize) -> Vec<Step> {
         ways.truncate(1);
     }
     let share = 1.0 / ways.len().max(1) as f64;
-    let mut steps: Vec<(usize, Step)> = Vec::new();
+    // by the first axis that changes: no two steps share it
+    let mut steps: BTreeMap<u32, Step> = BTreeMap::new();
     for way in &ways {
         for pair in way.windows(2) {
             let &[before, after] = pair else { continue };
             let changed = before ^ after;
-            let known = steps.iter().position(|(of, _)| *of == changed);
-            let place = known.unwrap_or_else(|| {
+            let step = steps.entry(changed.trailing_zeros()).or_insert_with(|| {
                 let bits = axes.iter().enumerate().filter(|(bit, _)| changed & (1 << bit) != 0);
                 let axes: Vec<usize> = bits.map(|(_, axis)| *axis).collect();
                 let named = ends().zip(AXES).filter(|((axis, _), _)| axes.contains(axis));
                 let names = named.map(|((_, (a, b)), name)| format!("{name}: {a} to {b}"));
                 let name = names.collect::<Vec<_>>().join("; ");
-                steps.push((changed, Step { name, axes, powers: Vec::new() }));
-                steps.len() - 1
+                Step { name, axes, powers: Vec::new() }
             });
-            let Some((_, step)) = steps.get_mut(place) else { continue };
             for (end, power) in [(after, share), (before, -share)] {
                 if let Some(row) = corners.get(end).copied().flatten() {
                     step.powers.push((row, power));
@@ -77,8 +77,7 @@ pub fn steps(rows: &[Option<Variant>], from: usize, to: usize) -> Vec<Step> {
             }
         }
     }
-    steps.sort_by_key(|(changed, _)| changed.trailing_zeros());
-    steps.into_iter().map(|(_, step)| step).collect()
+    steps.into_values().collect()
 }
 
 /// All ways from the last corner of `way` to the opposite one, over corners that have a row.

@@ -1,6 +1,7 @@
 //! An explanation as tables and CSV: the factors, and structure by kernel for each kind of ray; notes
 //! below them on settings that a row lacks or a scene does not support, and rows without a time.
 
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 
 use measurement::record::query::Query;
@@ -11,14 +12,13 @@ use presentation::numbers;
 use presentation::table::{Cell, Style, Table, dash};
 use presentation::text::Screen;
 
-use crate::explain::craft::{Adapter, CodeDifferences, Kernel, QueryMode, Variant};
+use crate::explain::craft::{BLOCK, DIRECT, ONE_RAY, ROBUST, SCALAR, Variant};
 use crate::explain::{Explain, Explanation, Rays};
 use crate::run::kind_tables::kinds;
 use crate::run::output;
 use crate::run::tables::{scene_notes, scene_title};
 
-/// Columns of code differences, with the names of
-/// [`CodeDifferences::name`](crate::explain::craft::CodeDifferences::name).
+/// Columns of crafts, by [`Variant::name`].
 const COLUMNS: [&str; 6] =
     ["direct", "as shipped", "scalar", "block", "scalar, batch", "block, batch"];
 
@@ -49,8 +49,8 @@ pub fn to_markdown(explain: &Explain<'_>, run: &RunRecord) -> String {
 pub fn tables(explain: &Explain<'_>, run: &RunRecord, scene: &SceneRecord) -> Vec<Table> {
     let explanation = Explanation::of(explain, run, scene);
     let rays = rays_of(run, scene);
-    let mut tables = vec![factors(explain, &explanation, &rays)];
-    tables.extend(rays.iter().map(|rays| by_craft(explain, &explanation, *rays)));
+    let mut tables = vec![factors(&explanation, &rays)];
+    tables.extend(rays.iter().map(|rays| by_craft(&explanation, *rays)));
     if let Some(last) = tables.last_mut() {
         last.notes = notes(explain, &explanation);
     }
@@ -58,28 +58,25 @@ pub fn tables(explain: &Explain<'_>, run: &RunRecord, scene: &SceneRecord) -> Ve
 }
 
 /// Structures down, crafts across.
-fn by_craft(explain: &Explain<'_>, explanation: &Explanation<'_>, rays: Rays<'_>) -> Table {
+fn by_craft(explanation: &Explanation<'_>, rays: Rays<'_>) -> Table {
     let known: Vec<(usize, &str, &'static str)> = explanation
         .variants
         .iter()
         .enumerate()
-        .filter_map(|(i, variant)| variant.as_ref().map(|v| (i, &*v.structure, v.craft.name())))
+        .filter_map(|(i, variant)| variant.as_ref().map(|v| (i, &*v.structure, v.name())))
         .collect();
     let is_there = |name: &&str| known.iter().any(|(_, _, craft)| craft == name);
     let columns: Vec<&'static str> = COLUMNS.into_iter().filter(is_there).collect();
-    let mut structures: Vec<&str> = Vec::new();
-    for (_, structure, _) in &known {
-        if !structures.contains(structure) {
-            structures.push(structure);
-        }
-    }
+    let mut listed = BTreeSet::new();
+    let structures = known.iter().map(|(_, structure, _)| *structure);
+    let structures = structures.filter(|structure| listed.insert(*structure));
     let cell_of = |structure: &str, craft: &str| {
         let found = known.iter().find(|(_, own, name)| *own == structure && *name == craft);
         let row = found.and_then(|(i, ..)| Some((*i, explanation.scene.rows.get(*i)?)));
-        row.map_or_else(dash, |(i, row)| cell(row, rays, i == explain.row))
+        row.map_or_else(dash, |(i, row)| cell(row, rays, i == 0))
     };
-    let line = |structure: &&str| {
-        let mut cells: Vec<Cell> = vec![(*structure).to_owned().into()];
+    let line = |structure: &str| {
+        let mut cells: Vec<Cell> = vec![structure.to_owned().into()];
         cells.extend(columns.iter().map(|craft| cell_of(structure, craft)));
         cells
     };
@@ -87,7 +84,7 @@ fn by_craft(explain: &Explain<'_>, explanation: &Explanation<'_>, rays: Rays<'_>
     Table {
         title: format!("{} rays: time over that of {reference} [95%]", rays.name()),
         header: std::iter::once("structure").chain(columns.iter().copied()).collect(),
-        rows: structures.iter().map(line).collect(),
+        rows: structures.map(line).collect(),
         notes: Vec::new(),
     }
 }
@@ -101,7 +98,7 @@ fn cell(row: &RowRecord, rays: Rays<'_>, is_explained: bool) -> Cell {
 }
 
 /// Factors down, kinds of rays across, the whole below.
-fn factors(explain: &Explain<'_>, explanation: &Explanation<'_>, rays: &[Rays<'_>]) -> Table {
+fn factors(explanation: &Explanation<'_>, rays: &[Rays<'_>]) -> Table {
     let number = |ratio| Option::map_or_else(ratio, dash, |r| numbers::ratio(&r).into());
     let mut rows: Vec<Vec<Cell>> = Vec::new();
     for factor in &explanation.factors {
@@ -109,7 +106,7 @@ fn factors(explain: &Explain<'_>, explanation: &Explanation<'_>, rays: &[Rays<'_
         cells.extend(rays.iter().map(|rays| number(explanation.factor(factor, *rays))));
         rows.push(cells);
     }
-    let row = explanation.scene.rows.get(explain.row).filter(|_| !rows.is_empty());
+    let row = explanation.scene.rows.first().filter(|_| !rows.is_empty());
     if let Some(row) = row {
         let mut cells: Vec<Cell> = vec![format!("whole: {}", row.label()).into()];
         cells.extend(rays.iter().map(|rays| cell(row, *rays, true)));
@@ -162,14 +159,14 @@ pub fn to_csv(explain: &Explain<'_>, run: &RunRecord) -> Result<String, FormatEr
                 };
                 for (row, variant) in scene.rows.iter().zip(&explanation.variants) {
                     let Some(variant) = variant else { continue };
-                    let words = ["row", &row.label(), &variant.structure, variant.craft.name()];
+                    let words = ["row", &row.label(), &variant.structure, variant.name()];
                     write(words, rays.ratio(row), row.verdict.name())?;
                 }
                 for factor in &explanation.factors {
                     let ratio = explanation.factor(factor, rays);
                     write(["factor", &factor.name, "", ""], ratio, "")?;
                 }
-                let whole = scene.rows.get(explain.row).filter(|_| !explanation.factors.is_empty());
+                let whole = scene.rows.first().filter(|_| !explanation.factors.is_empty());
                 if let Some(row) = whole {
                     let words = ["whole", &row.label(), "", ""];
                     write(words, rays.ratio(row), row.verdict.name())?;
@@ -183,8 +180,7 @@ pub fn to_csv(explain: &Explain<'_>, run: &RunRecord) -> Result<String, FormatEr
 fn notes(explain: &Explain<'_>, explanation: &Explanation<'_>) -> Vec<String> {
     let (run, scene) = (explanation.run, explanation.scene);
     let mut notes = Vec::new();
-    let has = |is: fn(&CodeDifferences) -> bool| explain.variants.iter().any(|v| is(&v.craft));
-    let has_direct = has(|craft| craft.adapter == Adapter::Direct);
+    let has_direct = explain.variants.iter().any(|variant| variant.adapter == DIRECT);
     if scene.only_triangles == Some(false) {
         notes.push(
             "The scene has primitives other than static triangles, which blocks do not support: \
@@ -199,18 +195,15 @@ fn notes(explain: &Explain<'_>, explanation: &Explanation<'_>) -> Vec<String> {
                 .to_owned(),
         );
     }
-    let mut structures: Vec<&str> = Vec::new();
-    for variant in &explain.variants {
-        if !structures.contains(&&*variant.structure) {
-            structures.push(&variant.structure);
-            notes.push(lacks(&variant.structure, &explain.variants, scene.only_triangles));
-        }
-    }
-    notes.retain(|note| !note.is_empty());
+    let mut listed = BTreeSet::new();
+    let structures = explain.variants.iter().map(|variant| &*variant.structure);
+    let structures = structures.filter(|structure| listed.insert(*structure));
+    let lacks = |structure: &str| lacks(structure, &explain.variants, scene.only_triangles);
+    notes.extend(structures.filter_map(lacks));
     for factor in explanation.factors.iter().filter(|factor| factor.axes.len() > 1) {
         notes.push(format!("No row separates these factors: {}.", factor.name));
     }
-    let ends = [explain.row, explain.plan.baseline];
+    let ends = [0, explain.plan.baseline];
     for row in ends.into_iter().filter_map(|end| scene.rows.get(end)) {
         if !row.verdict.is_timed() {
             notes.push(format!("Nothing is explained: {} is {}.", row.label(), row.verdict.name()));
@@ -221,7 +214,7 @@ fn notes(explain: &Explain<'_>, explanation: &Explanation<'_>) -> Vec<String> {
         notes.push("Nothing is explained: in this scene both rows are the same.".to_owned());
     }
     for (row, nominal) in scene.rows.iter().zip(&explain.variants) {
-        let is_alone = nominal.craft.query != QueryMode::OneRay && row.query == Query::OneRay;
+        let is_alone = nominal.query != ONE_RAY && row.query == Query::OneRay;
         if row.verdict.is_timed() && is_alone {
             notes.push(format!("{}: its rays are traced one by one here.", row.label()));
         }
@@ -241,14 +234,12 @@ fn notes(explain: &Explain<'_>, explanation: &Explanation<'_>) -> Vec<String> {
 }
 
 /// The settings that a structure has not; nothing where it has both.
-fn lacks(structure: &str, variants: &[Variant], only_triangles: Option<bool>) -> String {
-    let own = || {
-        variants.iter().filter(|v| v.structure == structure && v.craft.adapter == Adapter::Robust)
-    };
-    let has = |kernel| own().any(|v| v.craft.kernel == kernel);
+fn lacks(structure: &str, variants: &[Variant], only_triangles: Option<bool>) -> Option<String> {
+    let own = || variants.iter().filter(|v| v.structure == structure && v.adapter == ROBUST);
+    let has = |kernel| own().any(|v| v.kernel == kernel);
     let is_mixed = only_triangles == Some(false);
     let mut lacking = Vec::new();
-    match (has(Kernel::Scalar), has(Kernel::Block)) {
+    match (has(SCALAR), has(BLOCK)) {
         (true, false) if structure.contains("mailbox=") => {
             lacking.push("no kernel=block (its mailbox needs the other)");
         }
@@ -256,11 +247,8 @@ fn lacks(structure: &str, variants: &[Variant], only_triangles: Option<bool>) ->
         (false, true) if !is_mixed => lacking.push("no kernel=scalar"),
         _ => {}
     }
-    if own().all(|v| v.craft.query == QueryMode::OneRay) {
+    if own().all(|v| v.query == ONE_RAY) {
         lacking.push("no query=batch");
     }
-    if lacking.is_empty() {
-        return String::new();
-    }
-    format!("{structure} has {}.", lacking.join(", "))
+    (!lacking.is_empty()).then(|| format!("{structure} has {}.", lacking.join(", ")))
 }

@@ -7,7 +7,7 @@ use presentation::drawing::{Classes, Color, Drawing, Font, Item, PLAIN, Paint, c
 use presentation::svg_plot::pen::{BEST, GREY, INK, MARK};
 
 use super::ray_path::PathThrough;
-use super::sections::{Body, Line, Section};
+use super::sections::{DrawnCell, Line};
 use super::view::{Plane, Projection};
 
 /// Room around and between.
@@ -23,18 +23,11 @@ const SURFACE: Color = [20, 20, 20];
 /// Half the width of a number beside a ray.
 const NUMBER: f64 = 9.0;
 
-/// Cells of a structure, as a picture shows them.
-#[derive(Debug, Clone, PartialEq)]
-pub enum SectionKind {
-    Sections(Vec<Section>),
-    Bodies(Vec<Body>),
-}
-
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnStructure {
     pub label: String,
     pub stats: StructureStats,
-    pub seen: SectionKind,
+    pub cells: Vec<DrawnCell>,
     pub path: Option<PathThrough>,
 }
 
@@ -128,7 +121,8 @@ pub fn picture(frame: &Frame<'_>, structures: &[DrawnStructure]) -> Drawing {
         4 => 2,
         _ => 3,
     };
-    let most = structures.iter().map(most_references).max().unwrap_or(1);
+    let cells = structures.iter().flat_map(|shown| &shown.cells);
+    let most = cells.map(|cell| cell.references).max().unwrap_or(1).max(1);
     let classes = Classes::up_to(frame.scale.unwrap_or(most));
     let titles = |shown: &DrawnStructure| wrapped(&shown.label, width, 14.0);
     let notes = |shown: &DrawnStructure| {
@@ -176,14 +170,6 @@ pub fn picture(frame: &Frame<'_>, structures: &[DrawnStructure]) -> Drawing {
     drawing
 }
 
-fn most_references(shown: &DrawnStructure) -> u64 {
-    let most = match &shown.seen {
-        SectionKind::Sections(all) => all.iter().map(|section| section.references).max(),
-        SectionKind::Bodies(all) => all.iter().map(|body| body.references).max(),
-    };
-    most.unwrap_or(1).max(1)
-}
-
 fn counted(shown: &DrawnStructure) -> String {
     let stats = &shown.stats;
     let inner = match stats.inner_cells {
@@ -207,19 +193,18 @@ fn panel(
     let ground = Paint { fill: Some((GROUND, 1.0)), stroke: Some((FAINT, 0.75)) };
     let mut drawing = Drawing::default();
     drawing.items.push(Item::Boxes(vec![[0.0, 0.0, width, height]], ground));
-    match (&shown.seen, frame.view) {
-        (SectionKind::Sections(sections), View::Cut(_, surfaces)) => {
-            cells(&mut drawing, placed, sections, classes);
+    match frame.view {
+        View::Cut(plane, surfaces) => {
+            sections(&mut drawing, placed, &shown.cells, &plane, classes);
             let surfaces = surfaces.iter().flat_map(|line| placed.polyline(line));
             lines(&mut drawing, surfaces.collect(), SURFACE, 0.7);
             if let Some(path) = &shown.path {
                 overlay(&mut drawing, placed, path);
             }
         }
-        (SectionKind::Bodies(bodies), View::Boxes(projection)) => {
-            boxes(&mut drawing, placed, bodies, &projection, classes);
+        View::Boxes(projection) => {
+            boxes(&mut drawing, placed, &shown.cells, &projection, classes);
         }
-        _ => {}
     }
     drawing
 }
@@ -231,13 +216,22 @@ fn lines(drawing: &mut Drawing, lines: Vec<Vec<[f64; 2]>>, color: Color, width: 
     }
 }
 
-/// Runs of cells of one class as one item: cells that overlap keep their order.
-fn cells(drawing: &mut Drawing, placed: &ViewTransform, sections: &[Section], classes: Classes) {
-    let class = |s: &Section| (s.references > 0).then(|| classes.of(s.references));
-    let mut visible: Vec<_> = sections
-        .iter()
-        .filter_map(|section| Some((class(section), placed.rectangle(section.place)?)))
-        .collect();
+/// Cells where the plane cuts them, large ones first: those of a hierarchy of boxes overlap, and
+/// none hides a smaller one. Runs of one class are one item.
+fn sections(
+    drawing: &mut Drawing,
+    placed: &ViewTransform,
+    cells: &[DrawnCell],
+    plane: &Plane,
+    classes: Classes,
+) {
+    let cut = |cell: &DrawnCell| Some((plane.cut(&cell.bounds)?, cell.references));
+    let mut all: Vec<([f64; 4], u64)> = cells.iter().filter_map(cut).collect();
+    let area = |(s, _): &([f64; 4], u64)| (s[2] - s[0]) * (s[3] - s[1]);
+    all.sort_by(|a, b| area(b).total_cmp(&area(a)));
+    let class = |references: u64| (references > 0).then(|| classes.of(references));
+    let mut visible: Vec<_> =
+        all.iter().filter_map(|&(s, n)| Some((class(n), placed.rectangle(s)?))).collect();
     // cells that do not overlap can be drawn class by class
     let total: f64 = visible.iter().map(|(_, r)| r[2] * r[3]).sum();
     let [width, height] = placed.size();
@@ -263,17 +257,17 @@ fn cells(drawing: &mut Drawing, placed: &ViewTransform, sections: &[Section], cl
 fn boxes(
     drawing: &mut Drawing,
     placed: &ViewTransform,
-    bodies: &[Body],
+    cells: &[DrawnCell],
     projection: &Projection,
     classes: Classes,
 ) {
     const SHADES: [f64; 3] = [1.0, 0.86, 0.74];
-    let mut bodies: Vec<&Body> = bodies.iter().filter(|body| body.place.is_finite()).collect();
-    let depth = |body: &&Body| projection.depth(0.5 * (body.place.min + body.place.max));
-    bodies.sort_by(|a, b| depth(b).total_cmp(&depth(a)));
-    for body in bodies {
-        let base = classes.color(classes.of(body.references));
-        for (axis, corners) in projection.faces(&body.place) {
+    let mut cells: Vec<&DrawnCell> = cells.iter().filter(|c| c.bounds.is_finite()).collect();
+    let depth = |c: &&DrawnCell| projection.depth(0.5 * (c.bounds.min + c.bounds.max));
+    cells.sort_by(|a, b| depth(b).total_cmp(&depth(a)));
+    for cell in cells {
+        let base = classes.color(classes.of(cell.references));
+        for (axis, corners) in projection.faces(&cell.bounds) {
             let shade = SHADES[(axis + 1) % 3];
             let fill = base.map(|x| (f64::from(x) * shade) as u8);
             let paint = Paint { fill: Some((fill, 1.0)), stroke: Some((SURFACE, 0.15)) };

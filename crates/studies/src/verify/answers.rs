@@ -2,7 +2,8 @@
 //! alone, and among nearly parallel ones, with which a structure may share work. A digest stands for
 //! them.
 
-use accel_core::primitives::PrimSet;
+use std::fmt;
+
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
 use accel_core::{Hit, MISS, Ray, Scalar, Vec3, Vector};
@@ -11,7 +12,7 @@ use renderer::Geometry;
 use statistics::random::Random;
 
 use crate::verify::draw::{point, unit};
-use crate::verify::round::NearbyPrimitives;
+use crate::verify::every_hit::hits_among;
 
 /// One ray in so many is asked in the other ways as well.
 const REPEATED: usize = 8;
@@ -57,13 +58,11 @@ impl<S: Buildable> Answers<S> {
     }
 
     /// By brute force over the primitives near each ray alone.
-    pub(super) fn near(model: &Geometry<S>, rays: &[Ray<S>], near: &NearbyPrimitives) -> Self {
-        let nearest = |ray: &Ray<S>, ids: &[u32]| match model {
-            Geometry::Triangles(set) => nearest(set, ray, ids),
-            Geometry::Mixed(set) => nearest(set, ray, ids),
+    pub(super) fn near(model: &Geometry<S>, rays: &[Ray<S>], near: &[Vec<u32>]) -> Self {
+        let nearest = |(ray, ids): (&Ray<S>, &Vec<u32>)| {
+            hits_among(model, ray, ids.iter().copied()).first().copied().unwrap_or(Hit::NONE)
         };
-        let ids = near.of.iter().map(|&i| near.lists.get(i).map_or(&[][..], Vec::as_slice));
-        let closest: Vec<Hit<S>> = rays.iter().zip(ids).map(|(r, i)| nearest(r, i)).collect();
+        let closest: Vec<Hit<S>> = rays.iter().zip(near).map(nearest).collect();
         // all primitives of such rounds are opaque
         let blocked: Vec<bool> = closest.iter().map(Hit::is_hit).collect();
         Self { closest, blocked, again: Vec::new() }
@@ -93,20 +92,6 @@ impl<S: Buildable> Answers<S> {
         self.blocked.iter().for_each(|blocked| digest.blocked(*blocked));
         digest
     }
-}
-
-/// The closest hit among these primitives; of equal ones that of the lowest id.
-fn nearest<S: Scalar>(prims: &impl PrimSet<S>, ray: &Ray<S>, ids: &[u32]) -> Hit<S> {
-    let setup = prims.setup(ray);
-    let mut best = Hit { t: ray.t_max, ..Hit::NONE };
-    for &id in ids {
-        if let Some(t) = prims.intersect(id, ray, &setup, best.t)
-            && (t < best.t || id < best.id)
-        {
-            best = Hit { t, id };
-        }
-    }
-    best
 }
 
 /// Closest hits and occlusions. Buffers are preset to wrong answers (blocked where nothing is hit,
@@ -191,6 +176,12 @@ fn beside<S: Scalar>(random: &mut Random, ray: &Ray<S>, apart: f64) -> Ray<S> {
 /// The answers of one round, in order; or those of several, in any.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Digest(pub u64);
+
+impl fmt::Display for Digest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:016x}", self.0)
+    }
+}
 
 impl Digest {
     /// Digest of one round; its number distinguishes equal answers to other rays.

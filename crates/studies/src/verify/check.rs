@@ -4,22 +4,20 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
 use std::time::Duration;
 
-use accel_core::Ray;
 use accel_core::registry::Buildable;
-use accel_core::structure::BuildError;
 use accel_core::structures::Entry;
 use rayon::prelude::*;
 
 use super::catalogue::{Case, CatalogueEntry, Draw};
 use super::judge::{Judge, RoundVerdict};
-use super::report::{Line, StopReason, SubjectCounts};
-use super::round::{FEWEST_RAYS, MOST_RAYS, Round};
-use super::subject::{Replay, Subject};
+use super::replay::RoundSeed;
+use super::report::{Line, StopReason};
+use super::round::{FEWEST_RAYS, MOST_RAYS};
+use super::subject::Subject;
 use measurement::plan::error::PlanError;
 use measurement::settings::Precision;
 use measurement::system::clock::Clock;
 use measurement::system::progress::Progress;
-use statistics::random::Random;
 
 /// Rounds of a case that is asked for many rays, until rounds have [`MOST_RAYS`].
 const ROUNDS: usize = 32;
@@ -64,44 +62,30 @@ impl CheckPlan<'_> {
             sizes.iter().for_each(|_| watch.progress.step(Duration::ZERO));
             return Ok((Vec::new(), sizes.len() as u64));
         }
-        let tallies = (0_u64..)
-            .zip(&sizes)
-            .collect::<Vec<_>>()
-            .into_par_iter()
-            .map(|(number, &rays)| {
-                if watch.cut().is_some() {
-                    return vec![SubjectCounts::default(); subjects.len()];
-                }
-                let drawn = Drawing { id: case.id, seed: self.seed, number, rays };
-                let of_round = match precision {
-                    Precision::F32 => drawn.ask(case.single, &subjects, watch),
-                    Precision::F64 => drawn.ask(case.double, &subjects, watch),
-                };
-                watch.progress.step(Duration::ZERO);
-                of_round
-            })
-            .reduce(
-                || vec![SubjectCounts::default(); subjects.len()],
-                |mut all, more| {
-                    all.iter_mut().zip(more).for_each(|(counts, more)| counts.add(more));
-                    all
-                },
-            );
-        let complete = tallies.iter().map(|tally| tally.rounds).min().unwrap_or_default();
-        let told = |(tally, subject): (SubjectCounts, &Subject<'_>)| {
-            let replay = |round: u64, ray| Replay {
-                case: case.id.to_owned(),
-                precision,
-                seed: self.seed,
-                round,
-                rays: sizes.get(round as usize).copied().unwrap_or_default(),
-                ray,
-                subject: subject.label(),
-            };
-            Line::new(group.name, case.id, precision, subject, &tally, replay)
+        let empty = || -> Vec<Line> {
+            subjects.iter().map(|s| Line::new(group.name, case.id, precision, s)).collect()
         };
-        let asked = tallies.into_iter().zip(&subjects).filter(|(tally, _)| tally.rounds > 0);
-        Ok((asked.map(told).collect(), complete))
+        let of_round = |(i, &rays): (usize, &usize)| {
+            let mut lines = empty();
+            if watch.cut().is_none() {
+                let number = i as u64;
+                let round = RoundSeed { case, precision, seed: self.seed, number, rays };
+                match precision {
+                    Precision::F32 => ask(round, case.single, &subjects, &mut lines, watch),
+                    Precision::F64 => ask(round, case.double, &subjects, &mut lines, watch),
+                }
+                watch.progress.step(Duration::ZERO);
+            }
+            lines
+        };
+        let of_rounds: Vec<Vec<Line>> = sizes.par_iter().enumerate().map(of_round).collect();
+        let mut lines = empty();
+        for of_round in of_rounds {
+            lines.iter_mut().zip(of_round).for_each(|(line, more)| line.add(more));
+        }
+        let complete = lines.iter().map(|line| line.rounds).min().unwrap_or_default();
+        lines.retain(|line| line.rounds > 0);
+        Ok((lines, complete))
     }
 }
 
@@ -140,98 +124,27 @@ impl<'a> CheckWatch<'a> {
     }
 }
 
-/// Random source of the rays and scenes of a round.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Drawing<'c> {
-    pub(super) id: &'c str,
-    pub(super) seed: u64,
-    pub(super) number: u64,
-    pub(super) rays: usize,
-}
-
-impl Drawing<'_> {
-    fn random(&self) -> Random {
-        Random::new(self.seed, &format!("verify {} {}", self.id, self.number))
-    }
-
-    pub(super) fn drawn<S: Buildable>(&self, draw: Draw<S>) -> Result<Round<S>, String> {
-        draw(&mut self.random(), self.rays).map_err(|e| e.to_string())
-    }
-
-    fn ask<S: Buildable>(
-        &self,
-        draw: Draw<S>,
-        subjects: &[Subject<'_>],
-        watch: &CheckWatch<'_>,
-    ) -> Vec<SubjectCounts> {
-        let failed = |what: String| {
-            subjects.iter().map(|_| SubjectCounts::refused(self.number, what.clone())).collect()
-        };
-        let round = match self.drawn(draw) {
-            Ok(round) => round,
-            Err(error) => return failed(error),
-        };
-        match Judge::new(&round) {
-            Ok(judge) => {
-                let judged = |s| match watch.cut() {
-                    None => SubjectCounts::of(self.number, round.rays.len(), judge.judge(s)),
-                    Some(_) => SubjectCounts::default(),
-                };
-                subjects.iter().map(judged).collect()
-            }
-            Err(error) => failed(error.to_string()),
-        }
-    }
-}
-
-#[derive(Debug)]
-pub struct ReplayOutcome {
-    /// The ray and what was expected of it.
-    pub question: String,
-    /// Why the answer is wrong, or `None`.
-    pub wrong: Option<String>,
-    /// Why the scene was refused, if so.
-    pub refused: Option<String>,
-}
-
-/// Repeats one trial of a case; `None` when its round has no such ray.
-pub fn replay(
-    case: &Case,
-    line: &Replay,
-    subject: &Subject<'_>,
-) -> Result<Option<ReplayOutcome>, BuildError> {
-    let &Replay { seed, round: number, rays, .. } = line;
-    let drawing = Drawing { id: case.id, seed, number, rays };
-    match line.precision {
-        Precision::F32 => replay_round(line, drawing, case.single, subject),
-        Precision::F64 => replay_round(line, drawing, case.double, subject),
-    }
-}
-
-fn replay_round<S: Buildable>(
-    replay: &Replay,
-    drawing: Drawing<'_>,
+/// Adds the verdicts on the subjects to their lines, as far as there is time to ask them.
+fn ask<S: Buildable>(
+    round: RoundSeed,
     draw: Draw<S>,
-    subject: &Subject<'_>,
-) -> Result<Option<ReplayOutcome>, BuildError> {
-    let Ok(round) = drawing.drawn(draw) else { return Ok(None) };
-    let (Some(ray), Some(expected)) = (round.rays.get(replay.ray), round.expected.get(replay.ray))
-    else {
-        return Ok(None);
+    subjects: &[Subject<'_>],
+    lines: &mut [Line],
+    watch: &CheckWatch<'_>,
+) {
+    let drawn = round.drawn(draw).map_err(|e| e.to_string());
+    let judge = match &drawn {
+        Ok(drawn) => Judge::new(drawn).map_err(|e| e.to_string()),
+        Err(why) => Err(why.clone()),
     };
-    let (wrong, refused) = match Judge::new(&round)?.judge(subject) {
-        RoundVerdict::Asked(all, _) => {
-            let of_ray = all.into_iter().find(|m| m.ray == replay.ray && m.is_wrong);
-            (of_ray.map(|m| m.what), None)
+    let rays = drawn.as_ref().map_or(0, |drawn| drawn.rays.len());
+    for (line, subject) in lines.iter_mut().zip(subjects) {
+        match &judge {
+            Err(why) => line.count(round, rays, RoundVerdict::Refused(why.clone())),
+            Ok(_) if watch.cut().is_some() => {}
+            Ok(judge) => line.count(round, rays, judge.judge(subject)),
         }
-        RoundVerdict::Refused(why) => (None, Some(why)),
-        RoundVerdict::NotAsked => (None, Some("has no such primitives".to_owned())),
-    };
-    let Ray { origin, direction, t_min, t_max, .. } = ray;
-    let question = format!(
-        "ray from {origin:?} along {direction:?} in [{t_min:?}, {t_max:?}]\nexpected: {expected:?}"
-    );
-    Ok(Some(ReplayOutcome { question, wrong, refused }))
+    }
 }
 
 #[cfg(test)]

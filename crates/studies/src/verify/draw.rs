@@ -89,15 +89,11 @@ pub const LATTICE: u32 = 16;
 
 /// Triangles with corners on the lattice of whole numbers.
 pub fn lattice_soup(random: &mut Random, count: usize) -> Vec<Corners> {
-    let mut corner = || {
-        let mut at = || random.below(LATTICE as usize + 1) as f64;
-        dvec3(at(), at(), at())
-    };
-    (0..count).map(|_| [corner(), corner(), corner()]).collect()
+    (0..count).map(|_| [(); 3].map(|()| lattice_point(random))).collect()
 }
 
 pub fn lattice_point(random: &mut Random) -> DVec3 {
-    let mut at = || random_integer(random, LATTICE / 2) + f64::from(LATTICE / 2);
+    let mut at = || random.below(LATTICE as usize + 1) as f64;
     dvec3(at(), at(), at())
 }
 

@@ -16,16 +16,29 @@ const MOST_OF_ONE: usize = 8;
 
 /// All hits within the ray's interval, by parameter and id.
 pub fn every_hit<S: Buildable>(model: &Geometry<S>, ray: &Ray<S>) -> Vec<Hit<S>> {
+    hits_among(model, ray, 0..model.len() as u32)
+}
+
+/// All hits of the primitives of these ids, likewise.
+pub fn hits_among<S: Buildable>(
+    model: &Geometry<S>,
+    ray: &Ray<S>,
+    ids: impl IntoIterator<Item = u32>,
+) -> Vec<Hit<S>> {
     match model {
-        Geometry::Triangles(set) => hits_of(set, ray),
-        Geometry::Mixed(set) => hits_of(set, ray),
+        Geometry::Triangles(set) => hits_of(set, ray, ids),
+        Geometry::Mixed(set) => hits_of(set, ray, ids),
     }
 }
 
-fn hits_of<S: Scalar>(prims: &impl PrimSet<S>, ray: &Ray<S>) -> Vec<Hit<S>> {
+fn hits_of<S: Scalar>(
+    prims: &impl PrimSet<S>,
+    ray: &Ray<S>,
+    ids: impl IntoIterator<Item = u32>,
+) -> Vec<Hit<S>> {
     let setup = prims.setup(ray);
     let mut all = Vec::new();
-    for id in 0..prims.len() as u32 {
+    for id in ids {
         let mut ahead = *ray;
         for _ in 0..MOST_OF_ONE {
             let Some(t) = prims.intersect(id, &ahead, &setup, ray.t_max) else { break };
@@ -61,6 +74,24 @@ pub fn push_chain<S: Buildable>(round: &mut Round<S>, ray: Ray<S>, hits: &[Hit<S
         round.push(link, first_within(hits, link.t_min, link.t_max));
         let Some(hit) = hits.iter().find(|hit| link.t_min <= hit.t) else { return };
         link.t_min = hit.t.next_up();
+    }
+}
+
+/// Adds a ray that can be traced, with the chain of all its hits, or with the fault of them that
+/// `fault` finds.
+pub fn push_hits<S: Buildable>(
+    round: &mut Round<S>,
+    ray: Ray<S>,
+    most: usize,
+    fault: impl FnOnce(&Geometry<S>, &[Hit<S>]) -> Option<String>,
+) {
+    if !ray.is_traceable() {
+        return;
+    }
+    let hits = every_hit(&round.model, &ray);
+    match fault(&round.model, &hits) {
+        Some(fault) => round.push(ray, OracleAnswer::Broken(fault)),
+        None => push_chain(round, ray, &hits, most),
     }
 }
 

@@ -28,15 +28,6 @@ pub enum RoundVerdict {
     NotAsked,
 }
 
-/// The answers of brute force to the rays of a round, in f64: hits, and which of them are blocked.
-pub(super) fn brute_force_answers<S: Buildable>(
-    round: &Round<S>,
-) -> Option<(Vec<Hit<f64>>, Vec<bool>)> {
-    let Answers { closest, blocked, .. } = Judge::new(round).ok()?.reference;
-    let wide = |hit: &Hit<S>| Hit { t: hit.t.to_f64(), id: hit.id };
-    Some((closest.iter().map(wide).collect(), blocked))
-}
-
 /// A round with the answers of brute force.
 pub struct Judge<'a, S: Buildable> {
     round: &'a Round<S>,
@@ -46,15 +37,22 @@ pub struct Judge<'a, S: Buildable> {
 
 impl<'a, S: Buildable> Judge<'a, S> {
     pub fn new(round: &'a Round<S>) -> Result<Self, BuildError> {
-        let reference = match &round.near {
-            Some(near) => Answers::near(&round.model, &round.rays, near),
-            None => with_brute_force(round.model.prims(), |t| Answers::of(t, &round.rays))?,
+        let reference = if round.near.is_empty() {
+            with_brute_force(round.model.prims(), |t| Answers::of(t, &round.rays))?
+        } else {
+            Answers::near(&round.model, &round.rays, &round.near)
         };
         let of_pair = |pair: &MetamorphicPair<S>| {
             with_brute_force(pair.model.prims(), |t| closest(t, &pair.rays))
         };
         let pairs = round.pairs.iter().map(of_pair).collect::<Result<_, _>>()?;
         Ok(Self { round, reference, pairs })
+    }
+
+    /// The answers of brute force in f64: hits, and which of them are blocked.
+    pub(super) fn right(self) -> (Vec<Hit<f64>>, Vec<bool>) {
+        let Answers { closest, blocked, .. } = self.reference;
+        (closest.iter().map(|hit| Hit { t: hit.t.to_f64(), id: hit.id }).collect(), blocked)
     }
 
     /// Asks a subject. A panic, or the end of a plugin's process, is a mismatch of the first ray.
@@ -155,24 +153,22 @@ impl<'a, S: Buildable> Judge<'a, S> {
         let different = |(i, ray): (usize, &Ray<S>)| {
             let (right, blocked) =
                 (self.reference.closest.get(i)?, *self.reference.blocked.get(i)?);
-            let hits = answers.hits_of(i).map(|said| {
-                let words = || format!("said {}, brute force {}", told(&said), told(right));
-                (judge.hit(ray, &said, right), words())
+            let hits = answers.hits_of(i).filter_map(|said| {
+                let found = judge.hit(ray, &said, right)?;
+                Some((found, format!("said {}, brute force {}", told(&said), told(right))))
             });
-            let occlusions = answers.occlusions_of(i).map(|said| {
-                let words = format!("blocked: said {said}, brute force {blocked}");
-                (judge.occlusion(ray, said, blocked), words)
+            let occlusions = answers.occlusions_of(i).filter_map(|said| {
+                let found = judge.occlusion(ray, said, blocked)?;
+                Some((found, format!("blocked: said {said}, brute force {blocked}")))
             });
             let paired =
                 pair_judges.iter().zip(&self.round.pairs).zip(pairs.iter().zip(&self.pairs));
             let paired = paired.filter_map(|((judge, pair), (said, right))| {
                 let (ray, said, right) = (pair.rays.get(i)?, said.get(i)?, right.get(i)?);
-                let name = &pair.name;
-                let words = format!("{name}: said {}, brute force {}", told(said), told(right));
-                Some((judge.hit(ray, said, right), words))
+                let (found, name) = (judge.hit(ray, said, right)?, &pair.name);
+                Some((found, format!("{name}: said {}, brute force {}", told(said), told(right))))
             });
             let all = hits.chain(occlusions).chain(paired);
-            let all = all.filter_map(|(found, words)| Some((found?, words)));
             let ((difference, is_wrong), words) = all.max_by_key(|((_, is_wrong), _)| *is_wrong)?;
             let what = if is_wrong { words } else { String::new() };
             Some(Mismatch { ray: i, difference: Some(difference), is_wrong, what })

@@ -10,6 +10,7 @@ use accel_core::structure::BuildError;
 use accel_core::structures::find;
 use accel_core::{Hit, Ray, Scalar};
 use renderer::Geometry;
+use serde::Serialize;
 
 use super::subject::brute_force_entry;
 use measurement::answers::arbiter::EDGE_ULPS;
@@ -17,29 +18,26 @@ use measurement::answers::oracle::{Opinion, Oracle};
 use measurement::rays::batches::Answers;
 use measurement::rays::exactness::is_apart;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// How an answer differs, by its name in records.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Difference {
-    /// In `t`, by no more than rounding.
-    LastBits,
     /// The ray passes an edge so closely that moving it changes the right answer, too.
+    #[serde(rename = "at_edges")]
     Edge,
-    /// A hit is missed, or one behind it is returned.
-    Lost,
     /// There is no such hit.
     Invented,
+    /// In `t`, by no more than rounding.
+    LastBits,
+    /// A hit is missed, or one behind it is returned.
+    Lost,
     /// The hit is there, but on another primitive.
     WrongId,
 }
 
 impl Difference {
-    /// All of them, with their names in records and tables.
-    pub const ALL: [(Self, &'static str); 5] = [
-        (Self::LastBits, "last_bits"),
-        (Self::Edge, "at_edges"),
-        (Self::Lost, "lost"),
-        (Self::Invented, "invented"),
-        (Self::WrongId, "wrong_id"),
-    ];
+    pub const ALL: [Self; 5] =
+        [Self::Edge, Self::Invented, Self::LastBits, Self::Lost, Self::WrongId];
 
     /// Between an answer and the right one, which are not equal.
     pub fn of_hits<S: Scalar>(ray: &Ray<S>, said: &Hit<S>, right: &Hit<S>) -> Self {

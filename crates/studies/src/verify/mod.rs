@@ -4,7 +4,7 @@
 //! The way of a check: [`catalogue`] (one line per case) -> a case draws a [`round::Round`] from a
 //! seed: a scene, rays, and what its oracle expects of them -> [`judge`] asks a
 //! [`subject::Subject`] and compares, with the oracle and with brute force -> [`report`]. A
-//! [`subject::Replay`] names one trial, [`shrink`] reduces it to few triangles and a ray.
+//! [`replay::Replay`] names one trial, [`shrink`] reduces it to few triangles and a ray.
 
 pub mod among_triangles;
 mod answers;
@@ -17,6 +17,7 @@ pub mod every_hit;
 pub mod judge;
 pub mod meshes;
 mod mismatch;
+pub mod replay;
 pub mod report;
 mod reproducer;
 pub mod round;

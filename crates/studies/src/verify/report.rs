@@ -1,14 +1,17 @@
 //! Results of a check: counts, the table, and the exported record.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Display;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::answers::Digest;
-use super::judge::{Difference, Mismatch, RoundVerdict};
-use super::subject::{CONTROL, Replay, Subject};
+use super::judge::{Difference, RoundVerdict};
+use super::replay::{Replay, RoundSeed};
+use super::subject::{CONTROL, Subject};
 use measurement::answers::arbiter::EDGE_ULPS;
 use measurement::settings::Precision;
+use measurement::settings::choice::as_typed;
 use presentation::column::{self, Column, Unit, Value};
 use presentation::json;
 use presentation::json::FormatError;
@@ -17,77 +20,21 @@ use presentation::table::{Cell, Style, Table};
 /// Mismatches of a subject and case that are shown.
 const SHOWN: usize = 3;
 
-/// Counts of some rounds for one subject.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct SubjectCounts {
-    trials: u64,
-    mismatches: u64,
-    differences: [u64; Difference::ALL.len()],
-    refused: u64,
-    pub rounds: u64,
-    answers: Digest,
-    /// Why the first of the refused rounds was.
-    reason: Option<(u64, String)>,
-    /// The first mismatches: round, ray and words.
-    first: Vec<(u64, usize, String)>,
-}
-
-impl SubjectCounts {
-    pub fn of(round: u64, rays: usize, judged: RoundVerdict) -> Self {
-        match judged {
-            RoundVerdict::Asked(wrong, answers) => Self {
-                trials: rays as u64,
-                mismatches: wrong.iter().filter(|m| m.is_wrong).count() as u64,
-                differences: Difference::ALL.map(|(difference, _)| {
-                    wrong.iter().filter(|m| m.difference == Some(difference)).count() as u64
-                }),
-                rounds: 1,
-                answers: answers.of_round(round),
-                first: wrong
-                    .into_iter()
-                    .filter(|m| m.is_wrong)
-                    .take(SHOWN)
-                    .map(|Mismatch { ray, what, .. }| (round, ray, what))
-                    .collect(),
-                ..Self::default()
-            },
-            RoundVerdict::Refused(why) => Self::refused(round, why),
-            RoundVerdict::NotAsked => Self { rounds: 1, ..Self::default() },
-        }
-    }
-
-    pub fn refused(round: u64, why: String) -> Self {
-        Self { refused: 1, rounds: 1, reason: Some((round, why)), ..Self::default() }
-    }
-
-    /// Adds another; the order does not matter.
-    pub fn add(&mut self, other: Self) {
-        self.trials += other.trials;
-        self.mismatches += other.mismatches;
-        self.differences.iter_mut().zip(other.differences).for_each(|(sum, n)| *sum += n);
-        self.refused += other.refused;
-        self.rounds += other.rounds;
-        self.answers.add(other.answers);
-        self.reason = self.reason.take().into_iter().chain(other.reason).min();
-        self.first.extend(other.first);
-        self.first.sort();
-        self.first.truncate(SHOWN);
-    }
-}
-
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Example {
-    pub replay: String,
+    #[serde(serialize_with = "as_text")]
+    pub replay: Replay,
     /// The answer and the right one.
     pub what: String,
 }
 
-/// A case in a precision for one subject.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+/// A case in a precision for one subject: counts of some rounds, or of all.
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Line {
     pub group: &'static str,
     pub case: &'static str,
-    pub precision: &'static str,
+    #[serde(serialize_with = "as_typed::serialize")]
+    pub precision: Precision,
     pub structure: String,
     /// Why its mismatches are no failure, if so.
     pub known_defect: Option<&'static str>,
@@ -95,7 +42,7 @@ pub struct Line {
     pub mismatches: u64,
     /// Answers that differ from those of brute force, by how they do.
     #[serde(flatten)]
-    pub differences: BTreeMap<&'static str, u64>,
+    pub differences: BTreeMap<Difference, u64>,
     /// Rounds whose scene was refused with a typed error.
     pub refused: u64,
     /// Why the first of them was.
@@ -103,44 +50,81 @@ pub struct Line {
     /// Rounds that were asked: all of them, unless the check was cut short.
     pub rounds: u64,
     /// Stands for all answers: the same on every instruction set.
-    pub answers: String,
+    #[serde(serialize_with = "as_text")]
+    pub answers: Digest,
     pub examples: Vec<Example>,
 }
 
+fn as_text<S: Serializer>(value: &impl Display, to: S) -> Result<S::Ok, S::Error> {
+    to.collect_str(value)
+}
+
 impl Line {
-    /// From a tally; `replay` names a trial by round and ray.
+    /// Of no round yet.
     pub fn new(
         group: &'static str,
         case: &'static str,
         precision: Precision,
         subject: &Subject<'_>,
-        tally: &SubjectCounts,
-        replay: impl Fn(u64, usize) -> Replay,
     ) -> Self {
-        let example = |(round, ray, what): &(u64, usize, String)| Example {
-            replay: replay(*round, *ray).to_string(),
-            what: what.clone(),
-        };
-        let names = Difference::ALL.into_iter().map(|(_, name)| name);
         Self {
             group,
             case,
-            precision: precision.name(),
+            precision,
             structure: subject.label(),
             known_defect: subject.known_defect(),
-            trials: tally.trials,
-            mismatches: tally.mismatches,
-            differences: names.zip(tally.differences).collect(),
-            refused: tally.refused,
-            reason: tally.reason.as_ref().map(|(_, why)| why.clone()),
-            rounds: tally.rounds,
-            answers: format!("{:016x}", tally.answers.0),
-            examples: tally.first.iter().map(example).collect(),
+            differences: Difference::ALL.map(|difference| (difference, 0)).into(),
+            ..Self::default()
         }
     }
 
-    fn count(&self, difference: &str) -> Value {
-        Value::Count(self.differences.get(difference).copied().unwrap_or_default())
+    /// Adds the verdict on so many rays of a round.
+    pub fn count(&mut self, round: RoundSeed, rays: usize, verdict: RoundVerdict) {
+        self.rounds += 1;
+        match verdict {
+            RoundVerdict::Asked(all, answers) => {
+                self.trials += rays as u64;
+                self.answers.add(answers.of_round(round.number));
+                for mismatch in all {
+                    if let Some(difference) = mismatch.difference {
+                        *self.differences.entry(difference).or_default() += 1;
+                    }
+                    if !mismatch.is_wrong {
+                        continue;
+                    }
+                    self.mismatches += 1;
+                    if self.examples.len() < SHOWN {
+                        let subject = self.structure.clone();
+                        let replay = Replay { round, ray: mismatch.ray, subject };
+                        self.examples.push(Example { replay, what: mismatch.what });
+                    }
+                }
+            }
+            RoundVerdict::Refused(why) => {
+                self.refused += 1;
+                self.reason.get_or_insert(why);
+            }
+            RoundVerdict::NotAsked => {}
+        }
+    }
+
+    /// Adds the counts of later rounds.
+    pub fn add(&mut self, later: Self) {
+        self.trials += later.trials;
+        self.mismatches += later.mismatches;
+        for (difference, count) in later.differences {
+            *self.differences.entry(difference).or_default() += count;
+        }
+        self.refused += later.refused;
+        self.reason = self.reason.take().or(later.reason);
+        self.rounds += later.rounds;
+        self.answers.add(later.answers);
+        self.examples.extend(later.examples);
+        self.examples.truncate(SHOWN);
+    }
+
+    fn differing(&self, how: Difference) -> u64 {
+        self.differences.get(&how).copied().unwrap_or_default()
     }
 
     pub fn is_failure(&self) -> bool {
@@ -187,37 +171,36 @@ impl Report {
 
     /// Structures down, groups across: mismatches of trials, and what none of them bounds.
     pub fn table(&self) -> Table {
-        let mut groups: Vec<&'static str> = Vec::new();
-        let mut structures: Vec<&str> = Vec::new();
-        let mut sums: BTreeMap<(&str, &str), (u64, u64)> = BTreeMap::new();
-        for line in &self.lines {
-            if !groups.contains(&line.group) {
-                groups.push(line.group);
-            }
-            if !structures.contains(&line.structure.as_str()) {
-                structures.push(&line.structure);
-            }
-            let sum = sums.entry((&line.structure, line.group)).or_default();
-            *sum = (sum.0 + line.trials, sum.1 + line.mismatches);
-        }
-        let rows = structures.iter().map(|&name| {
-            let defect =
-                self.lines.iter().find(|l| l.structure == name).and_then(|l| l.known_defect);
-            let mut cells: Vec<Cell> = vec![name.to_owned().into()];
-            cells.extend(groups.iter().map(|&group| {
-                let (trials, wrong) = sums.get(&(name, group)).copied().unwrap_or_default();
+        let mut listed = BTreeSet::new();
+        let groups = self.lines.iter().map(|line| line.group);
+        let groups: Vec<&'static str> = groups.filter(|group| listed.insert(*group)).collect();
+        let row = |structure: &str| {
+            let own = || self.lines.iter().filter(|line| line.structure == structure);
+            let defect = own().find_map(|line| line.known_defect);
+            let sum = |group: &&str| {
+                let own = || own().filter(|line| line.group == *group);
+                let (trials, wrong) =
+                    (own().map(|line| line.trials).sum(), own().map(|line| line.mismatches).sum());
                 sum_cell(trials, wrong, defect.is_some())
-            }));
+            };
+            let mut cells: Vec<Cell> = vec![structure.to_owned().into()];
+            cells.extend(groups.iter().map(sum));
             cells.push(defect.unwrap_or_default().to_owned().into());
             cells
-        });
-        let rows = rows.collect();
-        let header = ["structure"].into_iter().chain(groups.iter().copied()).chain([""]).collect();
+        };
+        let mut listed = BTreeSet::new();
+        let structures = self.lines.iter().map(|line| line.structure.as_str());
+        let structures = structures.filter(|structure| listed.insert(*structure));
         let title = match self.cut {
             None => "mismatches/trials".to_owned(),
             Some(cut) => format!("INCOMPLETE ({}): mismatches/trials", self.stop_text(cut)),
         };
-        Table { title, header, rows, notes: self.notes() }
+        Table {
+            title,
+            header: ["structure"].into_iter().chain(groups.iter().copied()).chain([""]).collect(),
+            rows: structures.map(row).collect(),
+            notes: self.notes(),
+        }
     }
 
     /// How it ended, and how far it came.
@@ -232,10 +215,9 @@ impl Report {
     /// Stands for all answers but those of rows with a known defect, which may differ by machine.
     pub fn answers(&self) -> String {
         let mut all = Digest::default();
-        let asked = self.lines.iter().filter(|l| l.known_defect.is_none());
-        let digests = asked.map(|l| u64::from_str_radix(&l.answers, 16).unwrap_or_default());
-        digests.for_each(|digest| all.word(digest));
-        format!("{:016x}", all.0)
+        let asked = self.lines.iter().filter(|line| line.known_defect.is_none());
+        asked.for_each(|line| all.word(line.answers.0));
+        all.to_string()
     }
 
     fn notes(&self) -> Vec<String> {
@@ -253,21 +235,26 @@ impl Report {
 
     /// How the answers of each row with a primitive test of its own differ from ours, by precision.
     fn by_own_tests(&self) -> impl Iterator<Item = String> {
-        let mut rows: BTreeMap<_, [u64; Difference::ALL.len()]> = BTreeMap::new();
-        let key = |line: &Line| (line.structure.clone(), line.precision);
+        use Difference::{Edge, Invented, LastBits, Lost, WrongId};
+        let key = |line: &Line| (line.structure.clone(), line.precision.name());
         let is_tolerant = |line: &&Line| line.differences.values().sum::<u64>() > line.mismatches;
-        let names: BTreeSet<_> = self.lines.iter().filter(is_tolerant).map(key).collect();
-        for line in self.lines.iter().filter(|line| names.contains(&key(line))) {
-            let sums = rows.entry(key(line)).or_default();
-            for (sum, (_, name)) in sums.iter_mut().zip(Difference::ALL) {
-                *sum += line.differences.get(name).copied().unwrap_or_default();
-            }
-        }
-        rows.into_iter().map(|((row, precision), [bits, edges, lost, invented, ids])| {
+        let rows: BTreeSet<_> = self.lines.iter().filter(is_tolerant).map(key).collect();
+        rows.into_iter().map(move |row| {
+            let sum = |how| -> u64 {
+                let own = self.lines.iter().filter(|line| key(line) == row);
+                own.map(|line| line.differing(how)).sum()
+            };
             format!(
-                "{row} has a primitive test of its own: in {precision} {bits} last bits of t, \
-                 {edges} at edges (within {EDGE_ULPS} ulps of the scene's largest coordinate), \
-                 which are not wrong; {lost} lost, {invented} invented, {ids} wrong ids"
+                "{} has a primitive test of its own: in {} {} last bits of t, {} at edges (within \
+                 {EDGE_ULPS} ulps of the scene's largest coordinate), which are not wrong; \
+                 {} lost, {} invented, {} wrong ids",
+                row.0,
+                row.1,
+                sum(LastBits),
+                sum(Edge),
+                sum(Lost),
+                sum(Invented),
+                sum(WrongId)
             )
         })
     }
@@ -278,7 +265,7 @@ impl Report {
         let mut who: BTreeMap<(&str, &str, u64, &str), Vec<&str>> = BTreeMap::new();
         for line in &self.lines {
             if let Some(why) = &line.reason {
-                let said = (line.case, line.precision, line.refused, why.as_str());
+                let said = (line.case, line.precision.name(), line.refused, why.as_str());
                 who.entry(said).or_default().push(&line.structure);
             }
         }
@@ -308,6 +295,7 @@ impl Report {
             let more = line.mismatches.saturating_sub(line.examples.len() as u64);
             if more > 0 {
                 let Line { case, precision, structure, .. } = line;
+                let precision = precision.name();
                 told.push(format!("... {case} {precision} {structure}{known}: {more} more"));
             }
         }
@@ -331,7 +319,7 @@ fn columns() -> [Column<Line>; 17] {
     [
         c(&["group"], "", None, |line: &Line| Text(line.group.to_owned())),
         c(&["case"], "", None, |line| Text(line.case.to_owned())),
-        c(&["precision"], "", None, |line| Text(line.precision.to_owned())),
+        c(&["precision"], "", None, |line| Text(line.precision.name().to_owned())),
         c(&["structure"], "", None, |line| Text(line.structure.clone())),
         c(&["known_defect"], "", None, |line| Value::of(line.known_defect.map(str::to_owned), Text)),
         c(&["trials"], "", None, |line| Count(line.trials)),
@@ -341,18 +329,18 @@ fn columns() -> [Column<Line>; 17] {
         }),
         c(&["refused_rounds"], "", None, |line| Count(line.refused)),
         c(&["rounds"], "", None, |line| Count(line.rounds)),
-        c(&["answers"], "", None, |line| Text(line.answers.clone())),
-        c(&["replay"], "", None, |line| Value::of(line.examples.first().map(|e| e.replay.clone()), Text)),
-        c(&["last_bits"], "", None, |line| line.count("last_bits")),
-        c(&["at_edges"], "", None, |line| line.count("at_edges")),
-        c(&["lost"], "", None, |line| line.count("lost")),
-        c(&["invented"], "", None, |line| line.count("invented")),
-        c(&["wrong_id"], "", None, |line| line.count("wrong_id")),
+        c(&["answers"], "", None, |line| Text(line.answers.to_string())),
+        c(&["replay"], "", None, |line| Value::of(line.examples.first().map(|e| e.replay.to_string()), Text)),
+        c(&["last_bits"], "", None, |line| Count(line.differing(Difference::LastBits))),
+        c(&["at_edges"], "", None, |line| Count(line.differing(Difference::Edge))),
+        c(&["lost"], "", None, |line| Count(line.differing(Difference::Lost))),
+        c(&["invented"], "", None, |line| Count(line.differing(Difference::Invented))),
+        c(&["wrong_id"], "", None, |line| Count(line.differing(Difference::WrongId))),
     ]
 }
 
 /// The 95% upper bound of the rate where nothing was found.
-pub fn bound(trials: u64, mismatches: u64) -> Option<f64> {
+fn bound(trials: u64, mismatches: u64) -> Option<f64> {
     (trials > 0 && mismatches == 0).then(|| 3.0 / trials as f64)
 }
 

@@ -17,8 +17,8 @@ const PROGRAM: &str = include_str!("reproducer.c");
 impl ReducedFailure {
     /// A name for its files: letters, digits and hyphens.
     pub fn name(&self) -> String {
-        let precision = self.replay.precision.name();
-        let name = format!("{} {} {precision}", self.replay.subject, self.replay.case);
+        let round = self.replay.round;
+        let name = format!("{} {} {}", self.replay.subject, round.case.id, round.precision.name());
         let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
         name.chars().map(plain).collect()
     }
@@ -95,7 +95,7 @@ impl ReducedFailure {
         let settings = settings.filter_map(|s| s.split_once('='));
         let settings = settings.map(|(name, value)| format!("    {{\"{name}\", \"{value}\"}},\n"));
         let blocked: Vec<String> = blocked.iter().map(|b| u8::from(*b).to_string()).collect();
-        let (suffix, number, bit, rounding) = match self.replay.precision {
+        let (suffix, number, bit, rounding) = match self.replay.round.precision {
             Precision::F32 => ("", "float", "F32", rounding::<f32>()),
             Precision::F64 => ("_f64", "double", "F64", rounding::<f64>()),
         };

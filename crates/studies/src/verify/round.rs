@@ -83,16 +83,6 @@ impl OracleAnswer {
     }
 }
 
-/// For each ray the only primitives that it can meet: a reference for scenes so large that asking
-/// all of them would take too long.
-#[derive(Debug, Default)]
-pub struct NearbyPrimitives {
-    /// Ids in rising order.
-    pub lists: Vec<Vec<u32>>,
-    /// Index of the list of each ray.
-    pub of: Vec<usize>,
-}
-
 pub struct Round<S: Buildable> {
     pub model: Geometry<S>,
     pub rays: Vec<Ray<S>>,
@@ -110,8 +100,9 @@ pub struct Round<S: Buildable> {
     pub threads: &'static [usize],
     /// The same in other guises, which must not change the answers.
     pub pairs: Vec<MetamorphicPair<S>>,
-    /// Brute force is asked for those primitives alone; for all where there is none.
-    pub near: Option<NearbyPrimitives>,
+    /// For each ray the only primitives that it can meet, ids rising: those alone are tested for
+    /// the reference, in scenes so large that all would take too long. Empty where all are.
+    pub near: Vec<Vec<u32>>,
 }
 
 impl<S: Buildable> Round<S> {
@@ -126,7 +117,7 @@ impl<S: Buildable> Round<S> {
             before: None,
             threads: &[],
             pairs: Vec::new(),
-            near: None,
+            near: Vec::new(),
         }
     }
 
@@ -134,6 +125,15 @@ impl<S: Buildable> Round<S> {
     pub fn truncate(&mut self, rays: usize) {
         self.rays.truncate(rays);
         self.expected.truncate(rays);
+    }
+
+    /// With the rays that `add` adds, called until there are so many.
+    pub fn filled(mut self, rays: usize, mut add: impl FnMut(&mut Self)) -> Self {
+        while self.rays.len() < rays {
+            add(&mut self);
+        }
+        self.truncate(rays);
+        self
     }
 
     pub fn push(&mut self, ray: Ray<S>, expected: OracleAnswer) {
@@ -187,38 +187,27 @@ impl<S: Buildable> MetamorphicPair<S> {
     }
 }
 
-/// The round in other guises, made from the triangles of its scene.
+/// The round in other guises, where its scene is of triangles.
 impl<S: Buildable> Round<S> {
     /// Everything by `2^exponent`: `t` keeps its bits.
-    pub fn scaled(&self, triangles: &[Corners], exponent: i32) -> Option<MetamorphicPair<S>> {
+    pub fn scaled(&self, exponent: i32) -> Option<MetamorphicPair<S>> {
         let by = 2.0_f64.powi(exponent);
-        self.moved(triangles, format!("scaled by 2^{exponent}"), 1.0, |p| p * by, |d| d * by)
+        self.moved(format!("scaled by 2^{exponent}"), 1.0, |p| p * by, |d| d * by)
     }
 
     /// Directions alone by `2^exponent`: `t` becomes `2^-exponent` times as large.
-    pub fn with_direction_scaled(
-        &self,
-        triangles: &[Corners],
-        exponent: i32,
-    ) -> Option<MetamorphicPair<S>> {
+    pub fn with_direction_scaled(&self, exponent: i32) -> Option<MetamorphicPair<S>> {
         let by = 2.0_f64.powi(exponent);
-        self.moved(triangles, format!("direction by 2^{exponent}"), by, |p| p, |d| d * by)
+        self.moved(format!("direction by 2^{exponent}"), by, |p| p, |d| d * by)
     }
 
     /// The axes whose bit is set in `mask`, mirrored.
-    pub fn mirrored(&self, triangles: &[Corners], mask: u8) -> Option<MetamorphicPair<S>> {
-        let sign =
-            DVec3::from_array([0, 1, 2].map(|k| if mask >> k & 1 == 1 { -1.0 } else { 1.0 }));
-        self.moved(triangles, format!("mirrored {mask:03b}"), 1.0, |p| p * sign, |d| d * sign)
+    pub fn mirrored(&self, mask: u8) -> Option<MetamorphicPair<S>> {
+        self.permuted(0, mask)
     }
 
     /// The axes in another order, the `order`-th of six, and mirrored as well.
-    pub fn permuted(
-        &self,
-        triangles: &[Corners],
-        order: usize,
-        mask: u8,
-    ) -> Option<MetamorphicPair<S>> {
+    pub fn permuted(&self, order: usize, mask: u8) -> Option<MetamorphicPair<S>> {
         const ORDERS: [[usize; 3]; 6] =
             [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
         let axes = ORDERS.get(order)?;
@@ -226,19 +215,16 @@ impl<S: Buildable> Round<S> {
             let at = |k: usize| if mask >> k & 1 == 1 { -p[axes[k]] } else { p[axes[k]] };
             DVec3::from_array([0, 1, 2].map(at))
         };
-        let pair = self.moved(
-            triangles,
-            format!("axes {axes:?}, mirrored {mask:03b}"),
-            1.0,
-            moved,
-            moved,
-        )?;
-        let same = if order == 0 { Invariant::Bits } else { Invariant::Ids };
-        Some(MetamorphicPair { same, ..pair })
+        let (same, name) = match order {
+            0 => (Invariant::Bits, format!("mirrored {mask:03b}")),
+            _ => (Invariant::Ids, format!("axes {axes:?}, mirrored {mask:03b}")),
+        };
+        Some(MetamorphicPair { same, ..self.moved(name, 1.0, moved, moved)? })
     }
 
     /// The triangles in another order: `order[new] = old`.
-    pub fn renumbered(&self, triangles: &[Corners], order: Vec<u32>) -> Option<MetamorphicPair<S>> {
+    pub fn renumbered(&self, order: Vec<u32>) -> Option<MetamorphicPair<S>> {
+        let triangles = corners_of(&self.model)?;
         let moved = order.iter().filter_map(|&old| triangles.get(old as usize).copied());
         let model = model_of(&moved.collect::<Vec<_>>()).ok()?;
         let pair = MetamorphicPair::new("renumbered", model, self.rays.to_vec());
@@ -248,19 +234,19 @@ impl<S: Buildable> Round<S> {
     /// `None` when the numbers do not fit.
     fn moved(
         &self,
-        triangles: &[Corners],
         name: String,
         factor: f64,
         point: impl Fn(DVec3) -> DVec3,
         direction: impl Fn(DVec3) -> DVec3,
     ) -> Option<MetamorphicPair<S>> {
-        let triangles: Vec<Corners> = triangles.iter().map(|t| t.map(&point)).collect();
+        let triangles = corners_of(&self.model)?;
+        let moved: Vec<Corners> = triangles.iter().map(|t| t.map(&point)).collect();
         let told = |r: &Ray<S>| {
             let moved = ray(point(r.origin.to_dvec3()), direction(r.direction.to_dvec3()));
             let by = |t: S| S::from_f64(t.to_f64() / factor);
             Ray { t_min: by(r.t_min), t_max: by(r.t_max), ..moved }
         };
-        let model = model_of(&triangles).ok()?;
+        let model = model_of(&moved).ok()?;
         let rays = self.rays.iter().map(told).collect();
         Some(MetamorphicPair { factor, ..MetamorphicPair::new(name, model, rays) })
     }

@@ -10,11 +10,10 @@ use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Vector};
 use glam::DVec3;
 
-use super::catalogue::Case;
-use super::check::Drawing;
-use super::judge::{Difference, Judge, Mismatch, RoundVerdict, brute_force_answers};
+use super::judge::{Difference, Judge, Mismatch, RoundVerdict};
+use super::replay::Replay;
 use super::round::{Corners, OracleAnswer, Round, corners_of, model_of};
-use super::subject::{Replay, Subject};
+use super::subject::Subject;
 use measurement::settings::Precision;
 
 /// Trials, each of a build and a few rays, and triangles and rays of all trials together.
@@ -28,7 +27,7 @@ const MOST_DEATHS: usize = 300;
 const PER_TRIANGLE: usize = 9;
 const PER_RAY: usize = 8;
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub struct ReducedFailure {
     pub replay: Replay,
     /// Triangles and rays of the round.
@@ -43,12 +42,11 @@ pub struct ReducedFailure {
 
 /// Reduces the failure of one trial; none where it has no triangles, where only the case's oracle
 /// sees it, or where it does not repeat.
-pub fn shrink(case: &Case, replay: &Replay, subject: &Subject<'_>) -> Option<ReducedFailure> {
-    let &Replay { seed, round: number, rays, .. } = replay;
-    let drawing = Drawing { id: case.id, seed, number, rays };
-    match replay.precision {
-        Precision::F32 => reduced(&drawing.drawn(case.single).ok()?, replay, subject),
-        Precision::F64 => reduced(&drawing.drawn(case.double).ok()?, replay, subject),
+pub fn shrink(replay: &Replay, subject: &Subject<'_>) -> Option<ReducedFailure> {
+    let round = replay.round;
+    match round.precision {
+        Precision::F32 => reduced(&round.drawn(round.case.single).ok()?, replay, subject),
+        Precision::F64 => reduced(&round.drawn(round.case.double).ok()?, replay, subject),
     }
 }
 
@@ -80,7 +78,7 @@ fn reduced<S: Buildable>(
     (triangles, rays) = search.simplified(triangles, rays, kind);
     triangles = minimal(triangles, |some| search.fails(some, &rays, kind));
     let what = wrong::<S>(&triangles, &rays, subject)?.what;
-    let right = brute_force_answers(&round_of::<S>(&triangles, &rays)?)?;
+    let right = Judge::new(&round_of::<S>(&triangles, &rays)?).ok()?.right();
     Some(ReducedFailure { replay: replay.clone(), from, triangles, rays, what, right })
 }
 

@@ -127,7 +127,7 @@ pub fn within_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundRes
         let d = with(DVec3::splat(zero), random.below(3), sign);
         (lattice_point(random) - d * random.below(2 * LATTICE as usize) as f64, d)
     })?;
-    round.pairs.extend(round.mirrored(&triangles, random.below(8) as u8));
+    round.pairs.extend(round.mirrored(random.below(8) as u8));
     Ok(round)
 }
 

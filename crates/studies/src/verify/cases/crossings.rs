@@ -41,8 +41,7 @@ pub fn crossings<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<
             cubes.all().flat_map(cube).collect()
         }
     };
-    let mut round = Round::new(model_of::<S>(&mesh)?);
-    while round.rays.len() < rays {
+    Ok(Round::new(model_of::<S>(&mesh)?).filled(rays, |round| {
         let target = match random.below(3) {
             0 => point_within(random, &mesh),
             _ => on_edge(random, &mesh),
@@ -55,20 +54,11 @@ pub fn crossings<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<
             let origin = single(middle + direction(random) * (size + 3.0 * unit(random)));
             ray(origin, target - origin)
         };
-        if !ray.is_traceable() {
-            continue;
-        }
-        let hits = every_hit(&round.model, &ray);
-        match crossed(&round.model, &ray, &hits) {
-            odd if odd % 2 == 1 => {
-                let told = format!("a closed mesh is crossed {odd} times");
-                round.push(ray, OracleAnswer::Broken(told));
-            }
-            _ => push_chain(&mut round, ray, &hits, LINKS),
-        }
-    }
-    round.truncate(rays);
-    Ok(round)
+        push_hits(round, ray, LINKS, |model, hits| {
+            let times = crossed(model, &ray, hits);
+            (times % 2 == 1).then(|| format!("a closed mesh is crossed {times} times"))
+        });
+    }))
 }
 
 /// A point of the unit sphere, moved out or in.

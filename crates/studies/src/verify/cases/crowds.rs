@@ -12,14 +12,12 @@ pub fn points<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> 
     let many = one_of(random, &[1, 2, 40, 300]);
     let places: Vec<DVec3> = (0..1 + many / 4).map(|_| point(random)).collect();
     let points: Vec<Corners> = (0..many).map(|_| [one_of(random, &places); 3]).collect();
-    let mut round = Round::new(model_of::<S>(&points)?);
-    while round.rays.len() < rays {
+    Ok(Round::new(model_of::<S>(&points)?).filled(rays, |round| {
         let target = one_of(random, &places);
         let (origin, along) = toward(random, target, 2.0);
         let ray = ray(one_of(random, &[origin, target]), along);
         round.push_traceable(ray, |_| OracleAnswer::Miss);
-    }
-    Ok(round)
+    }))
 }
 
 pub fn equal<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
@@ -36,8 +34,7 @@ pub fn equal<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
         round.push(ray, expected_in(&exact, &ray));
     }
     // of equal hits the lowest id counts
-    let of = vec![0; round.rays.len()];
-    round.near = Some(NearbyPrimitives { lists: vec![vec![0, 1, 2, 3]], of });
+    round.near = vec![vec![0, 1, 2, 3]; rays];
     Ok(round)
 }
 
@@ -56,8 +53,7 @@ pub fn fan<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
         (0..MANY).map(|i| [vertex, rim[i], rim[(i + 1) % MANY]]).collect();
     random.shuffle(&mut triangles);
     let mesh = Soup::new(&triangles);
-    let mut round = Round::new(model_of::<S>(&triangles)?);
-    while round.rays.len() < rays {
+    Ok(Round::new(model_of::<S>(&triangles)?).filled(rays, |round| {
         let aim = random.below(4);
         let (origin, along) = match aim {
             0 => (vertex, direction(random)),
@@ -66,20 +62,15 @@ pub fn fan<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
             _ => toward(random, vertex, 2.0),
         };
         let ray: Ray<S> = ray(origin, along);
-        if !ray.is_traceable() {
-            continue;
-        }
         // where all of them are seen from above, they leave no gap
         if aim == 3 && height * along.truncate().length() < -0.9 * along.z {
             let slack = 1e-4 * (1.0 + height);
-            round.push(ray, on_mesh(&mesh, &ray, slack).unwrap_or(OracleAnswer::Anything));
-            continue;
+            let expected = |_: &_| on_mesh(&mesh, &ray, slack).unwrap_or(OracleAnswer::Anything);
+            round.push_traceable(ray, expected);
+        } else {
+            push_hits(round, ray, 3, |_, _| None);
         }
-        let hits = every_hit(&round.model, &ray);
-        push_chain(&mut round, ray, &hits, 3);
-    }
-    round.truncate(rays);
-    Ok(round)
+    }))
 }
 
 pub fn denormal<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
@@ -96,15 +87,13 @@ pub fn denormal<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S
     let triangles: Vec<Corners> =
         soup(random, 80, 0.8).iter().map(|t| t.map(|p| tiny(random, p))).collect();
     let exact = Soup::new(&triangles);
-    let mut round = Round::new(model_of(&triangles)?);
-    while round.rays.len() < rays {
+    Ok(Round::new(model_of::<S>(&triangles)?).filled(rays, |round| {
         let target = within_or_on_edge(random, &triangles);
         let away = 1.0 + unit(random);
         let (origin, along) = toward(random, target, away);
         let ray = ray(tiny(random, origin), along);
         round.push_traceable(ray, |_| expected_in(&exact, &ray));
-    }
-    Ok(round)
+    }))
 }
 
 pub fn threads<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
@@ -138,8 +127,7 @@ pub fn copies<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> 
         mixed => mixed,
     };
     let exact = Soup::new(&all);
-    let mut round = Round::new(model);
-    while round.rays.len() < rays {
+    Ok(Round::new(model).filled(rays, |round| {
         let copy = random.below(claims.len());
         let own = &all[copy * TRIANGLES..(copy + 1) * TRIANGLES];
         let size = own[0][0].distance(own[TRIANGLES / 2][0]);
@@ -148,8 +136,7 @@ pub fn copies<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> 
         let (origin, along) = toward(random, target, away);
         let ray = ray(origin, along);
         round.push_traceable(ray, |_| expected_in(&exact, &ray));
-    }
-    Ok(round)
+    }))
 }
 
 fn held<S: Scalar>(x: f64) -> f64 {

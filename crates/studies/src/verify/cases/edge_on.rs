@@ -37,12 +37,7 @@ pub fn tilted_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundRes
         if !ray.is_traceable() || ray.origin.to_dvec3().abs().max_element() > largest * 7.0 {
             continue;
         }
-        let mut hits = every_hit(&round.model, &ray);
-        if let Geometry::Triangles(set) = &round.model {
-            hits.retain(|hit| {
-                set.triangles().get(hit.id as usize).is_some_and(|t| !is_beside_it(t, &ray, hit.t))
-            });
-        }
+        let hits = lawful_hits(&round.model, &ray, is_beside_it);
         let expected = first_within(&hits, ray.t_min, ray.t_max);
         round.push(ray, expected);
     }
@@ -116,16 +111,24 @@ fn sliver(random: &mut Random, spread: f64) -> Corners {
 
 /// Answer of the exact oracle; otherwise the first hit that lies on its triangle.
 fn expected<S: Buildable>(model: &Geometry<S>, exact: &Soup, ray: &Ray<S>) -> OracleAnswer {
-    let hits = every_hit(model, ray);
-    let Geometry::Triangles(set) = model else { return OracleAnswer::Anything };
-    let is_lawful = |id: u32, t| {
-        set.triangles().get(id as usize).is_some_and(|own| !is_out_of_its_box(own, ray, t))
-    };
-    match in_soup(exact, ray) {
-        Some(OracleAnswer::Anything) | None => {
-            let lawful: Vec<_> = hits.into_iter().filter(|h| is_lawful(h.id, h.t)).collect();
-            first_within(&lawful, ray.t_min, ray.t_max)
+    match expected_in(exact, ray) {
+        OracleAnswer::Anything => {
+            let hits = lawful_hits(model, ray, is_out_of_its_box);
+            first_within(&hits, ray.t_min, ray.t_max)
         }
-        Some(said) => said,
+        said => said,
     }
+}
+
+/// The hits of a ray but for those that break a law of their triangles.
+fn lawful_hits<S: Buildable>(
+    model: &Geometry<S>,
+    ray: &Ray<S>,
+    is_broken: fn(&[[S; 3]; 3], &Ray<S>, S) -> bool,
+) -> Vec<Hit<S>> {
+    let mut hits = every_hit(model, ray);
+    if let Geometry::Triangles(set) = model {
+        hits.retain(|hit| !is_broken(&set.triangles()[hit.id as usize], ray, hit.t));
+    }
+    hits
 }

@@ -102,7 +102,7 @@ pub fn coplanar<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S
     let mut round: Round<S> = aimed_round(random, rays, &triangles, 2.0)?;
     let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
     random.shuffle(&mut order);
-    round.pairs.extend(round.renumbered(&triangles, order));
+    round.pairs.extend(round.renumbered(order));
     Ok(round)
 }
 

@@ -15,8 +15,7 @@ const LINKS: usize = 40;
 
 pub fn intervals<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let (model, targets) = scene(random)?;
-    let mut round = Round::new(model);
-    while round.rays.len() < rays {
+    Ok(Round::new(model).filled(rays, |round| {
         let target = point_within(random, &targets);
         let (mut origin, along) = toward(random, target, 2.0);
         if random.below(2) == 0 {
@@ -25,19 +24,17 @@ pub fn intervals<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<
         }
         let whole = Ray { t_min: S::from_f64(-1e30), ..ray::<S>(origin, along) };
         if !whole.is_traceable() {
-            continue;
+            return;
         }
         let hits = every_hit(&round.model, &whole);
         if random.below(3) == 0 {
             let start = one_of(random, &[-1e30, -2.0, 0.0]);
-            push_chain(&mut round, Ray { t_min: S::from_f64(start), ..whole }, &hits, LINKS);
-            continue;
+            push_chain(round, Ray { t_min: S::from_f64(start), ..whole }, &hits, LINKS);
+        } else {
+            let [t_min, t_max] = interval(random, &hits);
+            round.push(Ray { t_min, t_max, ..whole }, first_within(&hits, t_min, t_max));
         }
-        let [t_min, t_max] = interval(random, &hits);
-        round.push(Ray { t_min, t_max, ..whole }, first_within(&hits, t_min, t_max));
-    }
-    round.truncate(rays);
-    Ok(round)
+    }))
 }
 
 /// An interval at one of the hits, or anywhere.

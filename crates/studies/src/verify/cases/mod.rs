@@ -29,11 +29,9 @@ use crate::verify::draw::{
     LATTICE, direction, lattice_point, lattice_soup, on_edge, one_of, point, point_within,
     random_integer, sign_direction, signed, single, soup, toward, unit, within_or_on_edge,
 };
-use crate::verify::every_hit::{every_hit, first_within, push_chain};
+use crate::verify::every_hit::{every_hit, first_within, push_chain, push_hits};
 use crate::verify::meshes::{icosphere, sheet};
-use crate::verify::round::{
-    Corners, NearbyPrimitives, OracleAnswer, Round, magnitude, mixed_model, model_of, ray,
-};
+use crate::verify::round::{Corners, OracleAnswer, Round, magnitude, mixed_model, model_of, ray};
 use exact_geometry::triangles::Soup;
 
 /// A round of a case, or why its scene cannot be made.

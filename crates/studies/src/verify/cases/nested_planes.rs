@@ -5,6 +5,8 @@
 //! whole numbers, and its direction leaves those planes by 10^-45 to 10^-3, or not at all. Rounding
 //! may then put it on either side of a plane, and a parent and its child may disagree.
 
+use std::collections::BTreeMap;
+
 use super::*;
 use crate::verify::meshes::{Cubes, cube};
 
@@ -23,19 +25,23 @@ pub fn nested_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundRes
     let cubes = Cubes { side: 2 + ((most - 1.0) * part) as i32, is_solid };
     let triangles: Vec<_> = cubes.all().flat_map(cube).collect();
     let mut round = Round::new(model_of(&triangles)?);
-    let columns = Columns::new(cubes);
-    let mut near = NearbyPrimitives { lists: columns.lists(), of: Vec::new() };
+    let numbers: BTreeMap<[i32; 3], u32> = cubes.all().zip(0..).collect();
     for _ in 0..rays {
         let aim = AxisRay::draw(random, cubes.side);
         let reach = f64::from(cubes.side) + aim.outside;
         let tolerance = ROUNDING * S::EPSILON.to_f64() * reach;
         round.push(ray(aim.origin(cubes.side), aim.direction()), aim.expected(&cubes, tolerance));
-        near.of.push(columns.list_of(aim.axis, aim.at));
+        let columns = aim.columns().into_iter();
+        let places = columns.flat_map(|column| (0..cubes.side).map(move |k| aim.cube(k, column)));
+        let mut met: Vec<u32> = places.filter_map(|at| numbers.get(&at)).copied().collect();
+        met.sort_unstable();
+        let ids = met.into_iter().flat_map(|number| 12 * number..12 * (number + 1));
+        round.near.push(ids.collect());
     }
-    round.near = Some(near);
     Ok(round)
 }
 
+#[derive(Clone, Copy)]
 struct AxisRay {
     axis: usize,
     /// 1: towards rising coordinates; -1.
@@ -76,33 +82,40 @@ impl AxisRay {
         self.placed(self.sign, self.off)
     }
 
+    /// The four columns of cubes around its line: all that it can meet, since it leaves the line by
+    /// less than a cube.
+    fn columns(&self) -> [[i32; 2]; 4] {
+        let [next, last] = self.at;
+        [[next - 1, last - 1], [next - 1, last], [next, last - 1], [next, last]]
+    }
+
+    /// Where the cube of a column is that is so far along the axis.
+    fn cube(&self, along: i32, [next, last]: [i32; 2]) -> [i32; 3] {
+        turned([along, next, last], 3 - self.axis)
+    }
+
     /// The first cube of the columns in which the ray lies, on their faces included; but it may
     /// meet one earlier in a column that it passes within the rounding.
     fn expected(&self, cubes: &Cubes, tolerance: f64) -> OracleAnswer {
         let side = cubes.side;
         let (mut lies, mut touches) = (f64::INFINITY, f64::INFINITY);
-        for next in [self.at[0] - 1, self.at[0]] {
-            for last in [self.at[1] - 1, self.at[1]] {
-                let Some(depth) = (0..side).find(|&depth| {
-                    let along = if self.sign > 0.0 { depth } else { side - 1 - depth };
-                    cubes.has(turned([along, next, last], 3 - self.axis))
-                }) else {
-                    continue;
-                };
-                let t = self.outside + f64::from(depth);
-                let sides = [next < self.at[0], last < self.at[1]];
-                let beside = |k: usize| {
-                    let is_there = if sides[k] { self.off[k] <= 0.0 } else { self.off[k] >= 0.0 };
-                    if is_there { 0.0 } else { self.off[k].abs() * t }
-                };
-                let away = beside(0).max(beside(1));
-                if away == 0.0 {
-                    lies = lies.min(t);
-                }
-                // it is in that column's neighbour, and closest to it at the end it starts from
-                if away < tolerance {
-                    touches = touches.min(t);
-                }
+        for column in self.columns() {
+            let along = |depth| if self.sign > 0.0 { depth } else { side - 1 - depth };
+            let is_there = |depth: &i32| cubes.has(self.cube(along(*depth), column));
+            let Some(depth) = (0..side).find(is_there) else { continue };
+            let t = self.outside + f64::from(depth);
+            let beside = |k: usize| {
+                let is_below = column[k] < self.at[k];
+                let is_there = if is_below { self.off[k] <= 0.0 } else { self.off[k] >= 0.0 };
+                if is_there { 0.0 } else { self.off[k].abs() * t }
+            };
+            let away = beside(0).max(beside(1));
+            if away == 0.0 {
+                lies = lies.min(t);
+            }
+            // it is in that column's neighbour, and closest to it at the end it starts from
+            if away < tolerance {
+                touches = touches.min(t);
             }
         }
         let slack = 4.0 * tolerance / ROUNDING;
@@ -136,53 +149,6 @@ fn off_plane(random: &mut Random) -> f64 {
     f64::from(size as f32)
 }
 
-/// The triangles of the cubes by columns along each axis.
-struct Columns {
-    side: usize,
-    /// Ids by axis, next and last axis.
-    ids: Vec<Vec<u32>>,
-}
-
-impl Columns {
-    fn new(cubes: Cubes) -> Self {
-        let side = cubes.side as usize;
-        let mut this = Self { side, ids: vec![Vec::new(); 3 * side * side] };
-        for (number, at) in (0_u32..).zip(cubes.all()) {
-            for axis in 0..3 {
-                let [next, last] = [(axis + 1) % 3, (axis + 2) % 3].map(|k| at[k] as usize);
-                if let Some(ids) = this.ids.get_mut((axis * side + next) * side + last) {
-                    ids.extend(number * 12..(number + 1) * 12);
-                }
-            }
-        }
-        this
-    }
-
-    /// For each line of whole coordinates the ids of the four columns around it: all that a ray
-    /// can meet that leaves the line by less than a cube.
-    fn lists(&self) -> Vec<Vec<u32>> {
-        let lines = self.side + 1;
-        let line = |i: usize| (i / (lines * lines), [i / lines % lines, i % lines]);
-        let around = |(axis, [next, last]): (usize, [usize; 2])| {
-            let mut ids = Vec::new();
-            for next in next.saturating_sub(1)..=next.min(self.side - 1) {
-                for last in last.saturating_sub(1)..=last.min(self.side - 1) {
-                    let column = self.ids.get((axis * self.side + next) * self.side + last);
-                    ids.extend(column.into_iter().flatten());
-                }
-            }
-            ids.sort_unstable();
-            ids
-        };
-        (0..3 * lines * lines).map(|i| around(line(i))).collect()
-    }
-
-    fn list_of(&self, axis: usize, at: [i32; 2]) -> usize {
-        let lines = self.side + 1;
-        (axis * lines + at[0] as usize) * lines + at[1] as usize
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -197,7 +163,7 @@ mod tests {
             let Round { model, rays, near, .. } = round;
             let mut hits = vec![Hit::NONE; rays.len()];
             with_brute_force(model.prims(), |t| t.closest_hits(&rays, &mut hits)).unwrap();
-            let near = Answers::near(&model, &rays, near.as_ref().unwrap());
+            let near = Answers::near(&model, &rays, &near);
             assert_eq!(near.closest, hits, "{seed}");
             assert!(hits.iter().filter(|h| h.is_hit()).count() > 20);
         }

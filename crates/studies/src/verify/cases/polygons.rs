@@ -91,33 +91,20 @@ fn surface_round<S: Buildable>(
     let model = mixed_model(|set| {
         wound(random, outlines).iter().try_for_each(|outline| set.polygon(outline))
     })?;
-    let mut round = Round::new(model);
     let first = outlines[0][0];
     let size = outlines.iter().flatten().map(|p| p.distance(first)).fold(0.0, f64::max);
-    while round.rays.len() < rays {
+    Ok(Round::new(model).filled(rays, |round| {
         let Aim { target, from } = aim(random, outlines);
         let origin = single(target + from * size);
         // farther origins are brought near before they are asked
         if origin.abs().max_element() > 7.0 * magnitude {
-            continue;
+            return;
         }
-        push(&mut round, &surface, ray(origin, target - origin));
-    }
-    round.truncate(rays);
-    Ok(round)
-}
-
-/// Adds the ray and the chain of its hits, or what is wrong with the hits of polygons tested alone.
-fn push<S: Buildable>(round: &mut Round<S>, surface: &Surface, ray: Ray<S>) {
-    if !ray.is_traceable() {
-        return;
-    }
-    let hits = every_hit(&round.model, &ray);
-    let fault = surface.fault(&ray, &hits);
-    match fault.or_else(|| outside_box(&round.model, &ray, &hits)) {
-        Some(fault) => round.push(ray, OracleAnswer::Broken(fault)),
-        None => push_chain(round, ray, &hits, LINKS),
-    }
+        let ray = ray(origin, target - origin);
+        push_hits(round, ray, LINKS, |model, hits| {
+            surface.fault(&ray, hits).or_else(|| outside_box(model, &ray, hits))
+        });
+    }))
 }
 
 /// One polygon in a plane of any slant: the arrow whose fan of triangles is nine times too large, a

@@ -19,7 +19,7 @@ pub fn signs<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let model = model_of(&triangles)?;
     let pair = MetamorphicPair::new("zeros of the other sign", model, flipped);
     round.pairs.push(pair);
-    round.pairs.extend(round.mirrored(&triangles, random.below(8) as u8));
+    round.pairs.extend(round.mirrored(random.below(8) as u8));
     Ok(round)
 }
 
@@ -51,7 +51,7 @@ pub fn scaled_directions<S: Buildable>(random: &mut Random, rays: usize) -> Roun
     let triangles = soup(random, 100, 0.3);
     let mut round: Round<S> = aimed_round(random, rays, &triangles, 2.0)?;
     let exponents = [one_of(random, &[-60, -37, -10]), one_of(random, &[-1, 3, 20]), 60];
-    let pairs = exponents.into_iter().filter_map(|e| round.with_direction_scaled(&triangles, e));
+    let pairs = exponents.into_iter().filter_map(|e| round.with_direction_scaled(e));
     round.pairs = pairs.collect();
     Ok(round)
 }
@@ -125,7 +125,7 @@ pub fn on_the_box<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult
         }
         (origin, sign_direction(random))
     })?;
-    round.pairs.extend(round.mirrored(&triangles, random.below(8) as u8));
+    round.pairs.extend(round.mirrored(random.below(8) as u8));
     Ok(round)
 }
 

@@ -309,11 +309,7 @@ pub fn shells<S: Buildable>(random: &mut Random, rays: usize, rule: OffsetRule) 
         }
     })?;
     for ray in aimed {
-        let hits = every_hit(&round.model, &ray);
-        match broken(&hits, is_clear, inner) {
-            Some(how) => round.push(ray, OracleAnswer::Broken(how)),
-            None => push_chain(&mut round, ray, &hits, A_HIT),
-        }
+        push_hits(&mut round, ray, A_HIT, |_, hits| broken(hits, is_clear, inner));
     }
     round.truncate(rays);
     Ok(round)

@@ -31,22 +31,20 @@ pub fn glass<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
             Ok(())
         })?,
     };
-    let mut round = Round::new(model);
-    while round.rays.len() < rays {
+    Ok(Round::new(model).filled(rays, |round| {
         let target = point_within(random, &triangles);
         let (origin, along) = toward(random, target, 2.0);
         let t_max = S::from_f64(one_of(random, &[1.0, 0.5, 2.0, f64::INFINITY]));
         let ray: Ray<S> = Ray { t_max, ..ray(origin, along) };
         if !ray.is_traceable() {
-            continue;
+            return;
         }
         let hits = every_hit(&round.model, &ray);
         let prims = round.model.prims().primitives();
         let is_blocked = hits.iter().any(|hit| prims.is_opaque(hit.id));
         round.push(ray, first_within(&hits, ray.t_min, ray.t_max));
         round.blocked.push(is_blocked);
-    }
-    Ok(round)
+    }))
 }
 
 const LIGHTS: usize = 3;
@@ -68,7 +66,7 @@ pub fn lights<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> 
         model_of::<S>(&triangles)?
     });
     round.lights = (0..LIGHTS).map(|_| light(random, &triangles)).collect();
-    while round.rays.len() < rays {
+    Ok(round.filled(rays, |round| {
         let number = random.below(LIGHTS);
         let light = round.lights[number];
         let target = match random.below(3) {
@@ -83,14 +81,13 @@ pub fn lights<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> 
         let [t_min, t_max] = [one_of(random, &[0.0, 1e-6, 1e-3]), part].map(S::from_f64);
         let ray = Ray { t_min, t_max, ..ray };
         if !ray.is_traceable() {
-            continue;
+            return;
         }
         let hits = every_hit(&round.model, &ray);
         round.push(ray, first_within(&hits, t_min, t_max));
         round.blocked.push(!hits.is_empty());
         round.light_of.push(number as u32);
-    }
-    Ok(round)
+    }))
 }
 
 fn light(random: &mut Random, triangles: &[Corners]) -> DVec3 {

@@ -135,24 +135,21 @@ fn cone_rays<S: Buildable>(
         shapes.iter().try_for_each(|s| set.cone(Cone::new(s.base.0, s.base.1, s.apex.0, s.apex.1)))
     })?;
     let magnitude = magnitude(&model);
-    let mut round = Round::new(model);
-    while round.rays.len() < rays {
+    Ok(Round::new(model).filled(rays, |round| {
         let shape: ConeShape = one_of(random, &shapes);
         let (origin, target) = aim(random, &shape, size);
         let origin = single(origin);
         let ray: Ray<S> = ray(origin, target - origin);
         // farther origins are brought near before they are asked
-        if !ray.is_traceable() || origin.abs().max_element() > 7.0 * magnitude {
-            continue;
+        if origin.abs().max_element() > 7.0 * magnitude {
+            return;
         }
-        let hits = every_hit(&round.model, &ray);
-        let expected = match outside_box(&round.model, &ray, &hits) {
-            Some(fault) => OracleAnswer::Broken(fault),
-            None => first_of((0..).zip(&shapes).map(|(id, s)| (id, s.expected(&ray, magnitude)))),
-        };
-        round.push(ray, expected);
-    }
-    Ok(round)
+        let each = || (0..).zip(&shapes).map(|(id, shape)| (id, shape.expected(&ray, magnitude)));
+        round.push_traceable(ray, |round| {
+            let fault = outside_box(&round.model, &ray, &every_hit(&round.model, &ray));
+            fault.map_or_else(|| first_of(each()), OracleAnswer::Broken)
+        });
+    }))
 }
 
 fn shape(random: &mut Random, length: f64, radius: f64, away: DVec3) -> ConeShape {

@@ -9,18 +9,14 @@ use super::*;
 use crate::verify::meshes::torus;
 
 /// Loose triangles, some far larger than others, and rays at them.
-fn scene<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-) -> Result<(Vec<Corners>, Round<S>), PrimitiveError> {
+fn scene<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let mut triangles = soup(random, 120, 0.3);
     triangles.extend(soup(random, 6, 1.5));
-    let round = aimed_round(random, rays, &triangles, 2.0)?;
-    Ok((triangles, round))
+    aimed_round(random, rays, &triangles, 2.0)
 }
 
 pub fn scaled<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
-    let (triangles, mut round) = scene::<S>(random, rays)?;
+    let mut round = scene::<S>(random, rays)?;
     // a magnitude of up to 2 and rays of up to 4 stay within what is served
     let (down, up): (&[i32], &[i32]) = match S::NAME {
         "f32" => (&[-27, -20, -8], &[1, 13, 28]),
@@ -28,14 +24,14 @@ pub fn scaled<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> 
         _ => (&[-200, -27, -1], &[1, 28, 200]),
     };
     let exponents = [one_of(random, down), one_of(random, up)];
-    round.pairs = exponents.into_iter().filter_map(|e| round.scaled(&triangles, e)).collect();
+    round.pairs = exponents.into_iter().filter_map(|e| round.scaled(e)).collect();
     Ok(round)
 }
 
 pub fn turned<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
-    let (triangles, mut round) = scene::<S>(random, rays)?;
-    let mirrored = round.permuted(&triangles, 0, 1 + random.below(7) as u8);
-    let permuted = round.permuted(&triangles, 1 + random.below(5), random.below(8) as u8);
+    let mut round = scene::<S>(random, rays)?;
+    let mirrored = round.mirrored(1 + random.below(7) as u8);
+    let permuted = round.permuted(1 + random.below(5), random.below(8) as u8);
     round.pairs = [mirrored, permuted].into_iter().flatten().collect();
     Ok(round)
 }
@@ -67,6 +63,6 @@ pub fn scaled_densely<S: Buildable>(random: &mut Random, rays: usize) -> RoundRe
         let [from, to] = [edge(i), edge(i + 1)];
         from + random.below((to - from) as usize) as i32
     };
-    round.pairs = (0..parts).map(one_of_part).filter_map(|e| round.scaled(&triangles, e)).collect();
+    round.pairs = (0..parts).map(one_of_part).filter_map(|e| round.scaled(e)).collect();
     Ok(round)
 }
