@@ -95,11 +95,9 @@ impl SampledEffect<'_> {
             let error = ErrorOf::Rmse { rmse: rmse(&image, &reference.image) };
             let setting = "render, of the scene without what calls for it";
             let work = RepeatedImage::rendered(scene, tracer, plain);
-            variants.push(Variant {
-                is_without: true,
-                also: vec![("samples", 0.0)],
-                ..Variant::new("left out", setting, error, work)
-            });
+            let mut variant = Variant::new("left out", setting, error, work);
+            variant.record.is_without = true;
+            variants.push(variant.also([("samples", 0.0)]));
         }
         for &n in plan.samples {
             let of_seed = |i| image(n, stage.limits.seed.wrapping_mul(31).wrapping_add(i));
@@ -113,10 +111,8 @@ impl SampledEffect<'_> {
             let plan = self.plan(self.scene, plan.size, Some(n), stage.limits.seed)?;
             let work = RepeatedImage::rendered(self.scene, self.tracer, plan);
             let setting = format!("render --samples {}={n}", self.option);
-            variants.push(Variant {
-                also: vec![("samples", f64::from(n))],
-                ..Variant::new(format!("{n} samples"), setting, error, work)
-            });
+            let variant = Variant::new(format!("{n} samples"), setting, error, work);
+            variants.push(variant.also([("samples", f64::from(n))]));
         }
         let said = SceneOutcome {
             reference_error: reference.own_error,

@@ -51,14 +51,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
                 found += u64::from(says);
             }
         }
-        Variant {
-            is_reference: name == "f64",
-            also: vec![
-                ("boxes found that are not met", found as f64),
-                ("boxes met per ray", steps as f64 / rays.max(1) as f64),
-            ],
-            ..Variant::built(name, built, lost.error(), replay)
-        }
+        Variant::built(name, built, lost.error(), replay).as_reference(name == "f64").also([
+            ("boxes found that are not met", found as f64),
+            ("boxes met per ray", steps as f64 / rays.max(1) as f64),
+        ])
     });
     let said = SceneOutcome::new(
         format!("{rays} rays of the scene through a list of boxes of 4 primitives"),

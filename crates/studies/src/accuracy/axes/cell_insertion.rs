@@ -44,14 +44,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         built.iter().zip(replays).zip(INSERTIONS).zip(&labels)
     {
         let tally = judged(stage, stage.prepared.geometry.prims().primitives(), label)?;
-        let stats = built.stats();
-        let mut also = vec![("references a primitive", stats.references as f64 / primitives)];
-        also.extend(build_columns(stats.bytes, built.build_s));
-        variants.push(Variant {
-            is_reference: insertion == "padded-box",
-            also,
-            ..Variant::built(insertion, built, tally.error(), replay)
-        });
+        let references = built.tracer.stats().references as f64 / primitives;
+        let variant = Variant::built(insertion, built, tally.error(), replay);
+        let variant = variant.as_reference(insertion == "padded-box").also(built.columns());
+        variants.push(variant.also([("references a primitive", references)]));
     }
     let said = SceneOutcome::new(
         format!("{rays} rays of the scene through a grid of 8 cells per primitive"),

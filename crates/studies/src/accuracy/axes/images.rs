@@ -133,12 +133,12 @@ impl EffectSetup {
             return Err(stage.unfit("it has no lights"));
         }
         let geometry = Geometry::<f32>::of(&scene)?;
-        let tracer = stage.over(TRACER, &geometry)?;
+        let tracer = stage.over(TRACER, &geometry)?.tracer;
         // as it would be without the effect: gloss without its roughness, not without its mirrors
         let mut without = scene.clone();
         (self.off)(&mut without);
         let still = Geometry::<f32>::of(&without)?;
-        let of_still = stage.over(TRACER, &still)?;
+        let of_still = stage.over(TRACER, &still)?.tracer;
         let sampled = SampledEffect {
             scene: &scene,
             tracer: &*tracer,
@@ -188,8 +188,7 @@ fn gatings(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let error = ErrorOf::Rmse { rmse: rmse(&image(&plan), &reference) };
         let setting = format!("EffectPlan::gated(Gating::{gating:?})");
         let work = RepeatedImage::rendered(stage.scene(), &*built.tracer, plan);
-        let is_reference = gating == Gating::AsCalledFor;
-        Variant { is_reference, ..Variant::new(name, setting, error, work) }
+        Variant::new(name, setting, error, work).as_reference(gating == Gating::AsCalledFor)
     });
     let timed_image = format!("the image of {size} x {size} pixels, one thread");
     let said =
@@ -211,9 +210,9 @@ pub static CONE_AND_BEAM: Axis = Axis {
 
 fn cones_and_beams(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let scene = stage.scene();
-    let tracer = stage.over(TRACER, &stage.prepared.geometry)?;
+    let tracer = stage.built(TRACER)?.tracer;
     let double = Geometry::<f64>::of(scene)?;
-    let rays = stage.over(TRACER, &double)?;
+    let rays = stage.over(TRACER, &double)?.tracer;
     let frusta = Row::parse(accel_core::structures::frustum_queries::REGISTRY, THROUGH)?;
     let queries = frusta.entry.build(double.prims(), &frusta.params);
     let queries = queries.map_err(|e| stage.refused(e))?;

@@ -209,9 +209,7 @@ fn variant<'a>(
             ulps.push((f64::from(t) - f64::from(exact)).abs() / ulp);
         }
     }
-    Variant {
-        is_reference: name == REFERENCE,
-        also: vec![("t off by ulps, median", median(&ulps).unwrap_or(0.0))],
-        ..Variant::built(name, built, tally.error(), Replay::by_kind(&*built.tracer, batches))
-    }
+    Variant::built(name, built, tally.error(), Replay::by_kind(&*built.tracer, batches))
+        .as_reference(name == REFERENCE)
+        .also([("t off by ulps, median", median(&ulps).unwrap_or(0.0))])
 }

@@ -61,14 +61,11 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let (mut variants, rays) = (Vec::new(), count(&batches));
     let parts = built.iter().zip(replays).zip(TRAVERSALS).zip(differing).zip(found);
     for ((((built, replay), traversal), differing), (tally, missed)) in parts {
-        variants.push(Variant {
-            is_reference: traversal == "f64",
-            also: vec![
-                ("cells passed by", missed as f64),
-                ("wrong hits in 10^6", in_a_million(differing, rays as u64)),
-            ],
-            ..Variant::built(traversal, built, tally.error(), replay)
-        });
+        let variant = Variant::built(traversal, built, tally.error(), replay);
+        variants.push(variant.as_reference(traversal == "f64").also([
+            ("cells passed by", missed as f64),
+            ("wrong hits in 10^6", in_a_million(differing, rays as u64)),
+        ]));
     }
     let said = SceneOutcome::new(
         format!("{rays} rays of the scene through {n}^3 cells"),
