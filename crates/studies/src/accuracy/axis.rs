@@ -6,9 +6,9 @@ use crate::accuracy::stage::PreparedScene;
 pub(super) use crate::accuracy::record::{ErrorOf, SceneOutcome, TrialCounts, in_a_million};
 pub(super) use crate::accuracy::stage::{
     Batches, Replay, Stage, TRACER, build_columns, compare, count, counted, diagonal, mebibytes,
-    replays, widened,
+    widened,
 };
-pub(super) use crate::accuracy::timing::{Variant, timed};
+pub(super) use crate::accuracy::timing::{Variant, timed, timed_settings};
 pub(super) use crate::error::StudyError;
 
 /// One way to be more or less accurate.

@@ -119,13 +119,6 @@ impl<'a> Stage<'a> {
         self.over(label, &self.prepared.geometry)
     }
 
-    pub fn built_all(
-        &self,
-        labels: &[impl AsRef<str>],
-    ) -> Result<Vec<StagedStructure<'a>>, StudyError> {
-        labels.iter().map(|label| self.built(label.as_ref())).collect()
-    }
-
     /// The structure of that label over other primitives than those of the scene.
     pub fn over<'g, S: Buildable>(
         &self,
@@ -273,14 +266,6 @@ pub fn counted<S: Scalar>(tracer: &dyn Tracer<S>, batches: &Batches<S>) -> WorkC
         };
     }
     total
-}
-
-/// The rays through each of the structures, each kind timed by itself.
-pub fn replays<'r>(
-    built: &'r [StagedStructure<'_>],
-    batches: &'r Batches<f32>,
-) -> Vec<Replay<'r, f32>> {
-    built.iter().map(|built| Replay::by_kind(&*built.tracer, batches)).collect()
 }
 
 impl<S: Buildable> Work for Replay<'_, S> {

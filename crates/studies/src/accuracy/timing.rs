@@ -9,7 +9,7 @@ use crate::accuracy::pareto::{self, FrontPoint};
 use crate::accuracy::record::{
     AxisRecord, ErrorOf, NO_TIME, PartTime, SceneOutcome, VariantRecord, VariantStanding,
 };
-use crate::accuracy::stage::{Limits, Stage, StagedStructure, Work};
+use crate::accuracy::stage::{Batches, Limits, Replay, Stage, StagedStructure, Work, count};
 use crate::error::StudyError;
 use crate::images::TIMES_REFERENCE;
 
@@ -115,6 +115,34 @@ pub fn timed<'v>(
     let found = faults(&outcome);
     outcome.faults.extend(found);
     outcome
+}
+
+/// Error of a variant, and further figures of it by name.
+pub type Judged = (ErrorOf, Vec<(&'static str, f64)>);
+
+/// Times structures that differ in a setting, each by its name and its label, on the same rays.
+/// `judge` is given the number of each and the answers of all; `said` says whose rays they are and
+/// through what they go.
+pub fn timed_settings(
+    stage: &Stage<'_>,
+    settings: &[(&str, String)],
+    reference: &str,
+    batches: &Batches<f32>,
+    mut said: SceneOutcome,
+    judge: impl Fn(usize, &StagedStructure<'_>, &[Replay<'_, f32>]) -> Result<Judged, StudyError>,
+) -> Result<SceneOutcome, StudyError> {
+    let built = settings.iter().map(|(_, label)| stage.built(label));
+    let built = built.collect::<Result<Vec<_>, StudyError>>()?;
+    let replays: Vec<Replay<'_, f32>> =
+        built.iter().map(|built| Replay::by_kind(&*built.tracer, batches)).collect();
+    let judged = built.iter().enumerate().map(|(i, built)| judge(i, built, &replays));
+    let judged = judged.collect::<Result<Vec<Judged>, StudyError>>()?;
+    said.timed = format!("{} rays {}", count(batches), said.timed);
+    let rows = settings.iter().zip(&built).zip(replays).zip(judged);
+    let variants = rows.map(|((((name, _), built), replay), (error, figures))| {
+        Variant::built(*name, built, error, replay).as_reference(*name == reference).also(figures)
+    });
+    Ok(timed(stage, said, variants))
 }
 
 /// Seconds of the work, made so many times; those of its parts are added to them.

@@ -31,26 +31,20 @@ const MAILBOXES: [(&str, &str); 6] = [
 ];
 
 fn mailboxes(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
-    let built = stage.built_all(&MAILBOXES.map(|(_, label)| label))?;
+    let settings = MAILBOXES.map(|(name, label)| (name, label.to_owned()));
     let batches = stage.all_batches();
-    let rays = count(&batches);
-    let replays = replays(&built, &batches);
-    let error = |r: &Replay<'_, f32>| {
-        let wrong = replays.first().map_or(0, |reference| r.differing(reference));
-        ErrorOf::Counted { wrong, trials: rays as u64 }
-    };
-    let errors: Vec<ErrorOf> = replays.iter().map(error).collect();
-    let variants = built.iter().zip(replays).zip(errors).zip(MAILBOXES);
-    let variants = variants.map(|(((built, replay), error), (name, _))| {
+    let through = "of the scene through a uniform grid of 8 cells per primitive";
+    let said = SceneOutcome::new(through, "the same rays");
+    timed_settings(stage, &settings, "none", &batches, said, |i, built, replays| {
+        let (rays, wrong) = (count(&batches), replays[i].differing(&replays[0]));
         let work = counted(&*built.tracer, &batches);
         let per_ray = |n: u64| n as f64 / rays.max(1) as f64;
-        Variant::built(name, built, error, replay).as_reference(name == "none").also([
+        let figures = vec![
             ("tests per ray", per_ray(work.intersection_tests)),
             ("tests saved per ray", per_ray(work.tests_saved)),
-        ])
-    });
-    let work = format!("{rays} rays of the scene through a uniform grid of 8 cells per primitive");
-    Ok(timed(stage, SceneOutcome::new(work, "the same rays"), variants))
+        ];
+        Ok((ErrorOf::Counted { wrong, trials: rays as u64 }, figures))
+    })
 }
 
 pub static LIGHT_BUFFER: Axis = Axis {
