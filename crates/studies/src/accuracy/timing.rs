@@ -165,24 +165,18 @@ fn seconds(clock: &dyn Clock, repeats: u32, work: &mut dyn Work, parts: &mut [Pa
 
 /// Cheapest variant from `first` on, by the median over common rounds. (Separate medians would
 /// compare different rounds.)
-fn cheapest(outcome: &SceneOutcome, first: usize) -> usize {
-    let mut least = first;
-    for (i, row) in outcome.rows.iter().enumerate().skip(first + 1) {
-        if let Some(best) = outcome.rows.get(least)
-            && outcome.ratios(&row.seconds, &best.seconds).middle().is_some_and(|ratio| ratio < 1.0)
-        {
-            least = i;
-        }
-    }
-    least
+fn cheapest(outcome: &SceneOutcome, first: usize) -> Option<&VariantRecord> {
+    outcome.rows.iter().skip(first).reduce(|best, row| {
+        let ratio = outcome.ratios(&row.seconds, &best.seconds).middle();
+        if ratio.is_some_and(|ratio| ratio < 1.0) { row } else { best }
+    })
 }
 
 /// Makes times, ratios and places of the variants from the seconds of their rounds.
 pub fn figure(outcome: &mut SceneOutcome, seed: u64) {
     let variants_begin = outcome.rows.iter().take_while(|row| row.is_without).count();
-    let seconds = |row: &VariantRecord| row.seconds.clone();
-    let cheapest =
-        outcome.rows.get(cheapest(outcome, variants_begin)).map(seconds).unwrap_or_default();
+    let cheapest = cheapest(outcome, variants_begin);
+    let cheapest = cheapest.map(|row| row.seconds.clone()).unwrap_or_default();
     let first = outcome.rows.first().map(|row| row.parts.clone()).unwrap_or_default();
     let mut rows = std::mem::take(&mut outcome.rows);
     for row in &mut rows {
@@ -305,8 +299,8 @@ mod tests {
         for (row, seconds) in outcome.rows.iter_mut().zip(seconds) {
             row.seconds = seconds;
         }
-        assert_eq!(cheapest(&outcome, 0), 1);
-        assert_eq!(cheapest(&outcome, 2), 2);
+        assert_eq!(cheapest(&outcome, 0).unwrap().variant, "b");
+        assert_eq!(cheapest(&outcome, 2).unwrap().variant, "c");
         assert_eq!((repeats(1.0), repeats(0.001), repeats(0.0)), (1, 4, 1000));
     }
 

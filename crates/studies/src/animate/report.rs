@@ -203,9 +203,10 @@ fn frame_columns<'a>() -> [Column<FrameRow<'a>>; 19] {
 
 /// Each row in each frame as CSV.
 pub fn frames(run: &AnimationRecord) -> Result<String, FormatError> {
-    let rows = run.lanes.iter().flat_map(|lane| {
-        lane.frames.iter().map(move |frame| FrameRow { run, lane, frame })
-    });
+    let rows = run
+        .lanes
+        .iter()
+        .flat_map(|lane| lane.frames.iter().map(move |frame| FrameRow { run, lane, frame }));
     column::csv(&frame_columns(), rows)
 }
 
@@ -253,10 +254,8 @@ pub fn to_svg(run: &AnimationRecord) -> String {
     lanes.retain(|lane| lane.rate.is_some());
     let mut subtitle = "medians with 95% intervals; one thread".to_owned();
     if lanes.len() > MOST_ROWS {
-        subtitle += &format!(
-            "; the {MOST_ROWS} rows with the most frames per second of {}",
-            lanes.len()
-        );
+        subtitle +=
+            &format!("; the {MOST_ROWS} rows with the most frames per second of {}", lanes.len());
     }
     lanes.truncate(MOST_ROWS);
     let panels: Vec<Plot> =

@@ -67,8 +67,7 @@ pub fn row_names<'r>(indent: bool) -> impl FnMut(&'r str, &'r str) -> Cell {
     move |structure, settings| {
         let is_below = indent && structure == previous && !settings.is_empty();
         previous = structure;
-        let name =
-            if is_below { format!("  {settings}") } else { label(structure, settings) };
+        let name = if is_below { format!("  {settings}") } else { label(structure, settings) };
         name.into()
     }
 }
