@@ -5,10 +5,10 @@ use crate::accuracy::stage::PreparedScene;
 
 pub(super) use crate::accuracy::record::{ErrorOf, SceneOutcome, TrialCounts, in_a_million};
 pub(super) use crate::accuracy::stage::{
-    Batches, Replay, Stage, TRACER, Work, build_columns, compare, count, counted, diagonal,
-    mebibytes, replays, widened,
+    Batches, Replay, Stage, TRACER, build_columns, compare, count, counted, diagonal, mebibytes,
+    widened,
 };
-pub(super) use crate::accuracy::timing::{Variant, timed};
+pub(super) use crate::accuracy::timing::{Variant, timed, timed_settings};
 pub(super) use crate::error::StudyError;
 
 /// One way to be more or less accurate.

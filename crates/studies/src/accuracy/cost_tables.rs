@@ -1,8 +1,6 @@
 //! Tables of what variants cost: for each kind of ray, over the first variant; what each step adds,
 //! where variants build on one another; and the price of each effect.
 
-use std::collections::BTreeSet;
-
 use presentation::numbers::{interval, ratio, short};
 use presentation::table::{Cell, Table, dash};
 use renderer::RayKind;
@@ -23,13 +21,11 @@ fn head(part: &str) -> &'static str {
 /// Times of the variants of an axis by kind of ray, over all scenes; one table per subject, none if
 /// work is timed as a whole.
 pub fn over_scenes(axis: &AxisRecord, seed: u64) -> Vec<Table> {
-    let mut seen = BTreeSet::new();
-    let subjects = axis.scenes.iter().map(|s| s.subject.as_str()).filter(|s| seen.insert(*s));
-    subjects.filter_map(|subject| of_subject(axis, subject, seed)).collect()
+    let subjects = axis.by_subject();
+    subjects.iter().filter_map(|of| of_subject(&axis.axis, &of.scenes, seed)).collect()
 }
 
-fn of_subject(axis: &AxisRecord, subject: &str, seed: u64) -> Option<Table> {
-    let scenes: Vec<&SceneOutcome> = axis.scenes.iter().filter(|s| s.subject == subject).collect();
+fn of_subject(axis: &str, scenes: &[SceneOutcome], seed: u64) -> Option<Table> {
     let first = scenes.first()?;
     let leading = first.rows.first().filter(|row| !row.parts.is_empty())?;
     let parts: Vec<&str> = leading.parts.iter().map(|part| part.part.as_str()).collect();
@@ -43,9 +39,9 @@ fn of_subject(axis: &AxisRecord, subject: &str, seed: u64) -> Option<Table> {
         cells.chain(parts.iter().map(of_part)).collect()
     });
     let names: Vec<&str> = scenes.iter().map(|scene| scene.scene.as_str()).collect();
-    let of = if subject.is_empty() { String::new() } else { format!(", {subject}") };
+    let of = if first.subject.is_empty() { String::new() } else { format!(", {}", first.subject) };
     Some(Table {
-        title: format!("{}{of}: time over that of {}, by kind of ray", axis.axis, leading.variant),
+        title: format!("{axis}{of}: time over that of {}, by kind of ray", leading.variant),
         header: std::iter::once("variant").chain(parts.iter().map(|part| head(part))).collect(),
         rows: rows.collect(),
         notes: vec![format!(
@@ -70,18 +66,16 @@ pub fn steps(axis: &AxisRecord, scene: &SceneOutcome, seed: u64) -> Option<Table
         let ratios = scene.ratios(&row.seconds, &other.seconds);
         ratios.estimate(seed).map_or_else(dash, |e| more(&e).into())
     };
-    let mut before = first;
-    let rows = scene.rows.iter().enumerate().map(|(i, row)| {
-        let gone = before.error.value() - row.error.value();
-        let cells: Vec<Cell> = vec![
+    let before = std::iter::once(None).chain(scene.rows.iter().map(Some));
+    let rows = scene.rows.iter().zip(before).map(|(row, before)| {
+        let or_dash = |cell: &dyn Fn(&VariantRecord) -> Cell| before.map_or_else(dash, cell);
+        vec![
             row.variant.clone().into(),
-            if i == 0 { dash() } else { over(row, before) },
-            if i == 0 { dash() } else { over(row, first) },
+            or_dash(&|before| over(row, before)),
+            or_dash(&|_| over(row, first)),
             short(row.error.value()).into(),
-            if i == 0 { dash() } else { short(gone).into() },
-        ];
-        before = row;
-        cells
+            or_dash(&|before| short(before.error.value() - row.error.value()).into()),
+        ]
     });
     Some(Table {
         title: format!("{}: {}, step by step", axis.axis, scene.place()),
@@ -114,27 +108,39 @@ fn price(
     row: &VariantRecord,
     seed: u64,
 ) -> Option<(Estimate, Option<Estimate>)> {
+    if scene.pixels == 0 {
+        return None;
+    }
     let added = scene.differences(&row.seconds, &without.seconds).estimate_of_differences(seed)?;
     let added = added.map(|s| s / f64::from(scene.pixels));
     let units = (without.error.value() - row.error.value()) / UNIT;
-    let price = (units > 0.0).then(|| added.map(|s| s / units));
-    (scene.pixels > 0).then_some((added, price))
+    Some((added, (units > 0.0).then(|| added.map(|s| s / units))))
 }
 
 /// Cost of each effect in scenes that need it, against the error without it; `None` where none was
 /// measured. The price rises with the number of samples: the first ones remove the most.
 pub fn effects(run: &AccuracyRecord) -> Option<Table> {
-    let mut rows = Vec::new();
-    for axis in &run.axes {
-        for scene in &axis.scenes {
-            // of images, the one that others are compared with is the one without effects
-            let is_without = |row: &VariantRecord| row.is_without || row.is_reference;
-            let of_image = scene.rows.iter().filter(|_| scene.pixels > 0);
-            let Some(without) = of_image.clone().find(|row| is_without(row)) else { continue };
-            let with = of_image.filter(|row| !is_without(row));
-            rows.extend(with.filter_map(|row| cells(&axis.axis, scene, without, row, run.seed)));
-        }
-    }
+    // of images, the one that others are compared with is the one without effects
+    let is_without = |row: &&VariantRecord| row.is_without || row.is_reference;
+    let microseconds = |e: &Estimate| Cell::from(interval(&e.map(|s| s * MICROSECONDS)));
+    let of_scene = |(axis, scene): (&AxisRecord, &SceneOutcome)| -> Vec<Vec<Cell>> {
+        let Some(without) = scene.rows.iter().find(is_without) else { return Vec::new() };
+        let with = scene.rows.iter().filter(|row| !is_without(row));
+        let cells = with.filter_map(|row| {
+            let (added, price) = price(scene, without, row, run.seed)?;
+            Some(vec![
+                axis.axis.clone().into(),
+                scene.scene.clone().into(),
+                row.variant.clone().into(),
+                format!("{:.2e}", without.error.value()).into(),
+                format!("{:.2e}", row.error.value()).into(),
+                microseconds(&added),
+                price.map_or_else(dash, |e| microseconds(&e)),
+            ])
+        });
+        cells.collect()
+    };
+    let rows: Vec<Vec<Cell>> = run.scenes().flat_map(of_scene).collect();
     let notes = vec![
         "error: root mean square difference of colours (0 to 1) to the finely sampled image; added: \
          time beyond that of the image without the effect, in the same rounds; price: added time \
@@ -158,26 +164,6 @@ pub fn effects(run: &AccuracyRecord) -> Option<Table> {
         rows,
         notes,
     })
-}
-
-fn cells(
-    effect: &str,
-    scene: &SceneOutcome,
-    without: &VariantRecord,
-    row: &VariantRecord,
-    seed: u64,
-) -> Option<Vec<Cell>> {
-    let (added, price) = price(scene, without, row, seed)?;
-    let in_microseconds = |e: &Estimate| interval(&e.map(|s| s * MICROSECONDS));
-    Some(vec![
-        effect.to_owned().into(),
-        scene.scene.clone().into(),
-        row.variant.clone().into(),
-        format!("{:.2e}", without.error.value()).into(),
-        format!("{:.2e}", row.error.value()).into(),
-        in_microseconds(&added).into(),
-        price.map_or_else(dash, |e| in_microseconds(&e).into()),
-    ])
 }
 
 #[cfg(test)]

@@ -195,17 +195,14 @@ fn wrong_shadow(registry: &[Entry]) -> Result<Image, StudyError> {
 /// A row of pixels for each of so many rays.
 fn missed_cells(_: &[Entry]) -> Result<Image, StudyError> {
     let n = 1024;
-    let mut rays = Vec::new();
     // rays from a corner region across the grid, with numbers that have few common factors
-    for i in 0..u64::from(SIZE) * 4 {
+    let drawn = (0..u64::from(SIZE) * 4).filter_map(|i| {
         let part = |k: u64| ((i * k) % 65_521) as f64;
         let origin = dvec3(part(7919), part(104_729), part(1_299_709)) / 1024.0;
         let direction = dvec3(40_000.0 + part(31), 30_000.0 + part(331), 20_000.0 + part(3331));
-        rays.extend(LatticeRay::new(n, origin, direction));
-        if rays.len() == SIZE as usize {
-            break;
-        }
-    }
+        LatticeRay::new(n, origin, direction)
+    });
+    let rays: Vec<LatticeRay> = drawn.take(SIZE as usize).collect();
     let half = |traversal: &str| {
         let mut pixels = Vec::new();
         for ray in &rays {

@@ -8,7 +8,7 @@ use statistics::estimate::Estimate;
 use statistics::series::Series;
 
 /// Standing of a variant among those of its axis on a scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum VariantStanding {
     /// No other is as accurate and as fast, and better in one of both.
@@ -16,6 +16,7 @@ pub enum VariantStanding {
     /// Only variants whose time no difference was measured to beat it.
     NotToldApart,
     /// Another is as accurate and faster, or as fast and more accurate.
+    #[default]
     Dominated,
 }
 
@@ -76,6 +77,30 @@ pub struct VariantRecord {
     /// to it.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_without: bool,
+}
+
+/// The time of what has none.
+pub const NO_TIME: Estimate = Estimate { median: f64::NAN, low: f64::NAN, high: f64::NAN };
+
+impl VariantRecord {
+    /// A variant that is judged and not timed yet.
+    pub fn new(variant: String, setting: String, error: ErrorOf) -> Self {
+        Self {
+            variant,
+            setting,
+            known_defect: None,
+            is_reference: false,
+            error,
+            is_below_reference: false,
+            seconds: Vec::new(),
+            time_s: NO_TIME,
+            ratio: NO_TIME,
+            standing: VariantStanding::default(),
+            also: BTreeMap::new(),
+            parts: Vec::new(),
+            is_without: false,
+        }
+    }
 }
 
 fn is_none(pixels: &u32) -> bool {
@@ -193,6 +218,13 @@ pub struct AccuracyRecord {
     pub axes: Vec<AxisRecord>,
 }
 
+impl AccuracyRecord {
+    /// Each axis on each of its scenes.
+    pub fn scenes(&self) -> impl Iterator<Item = (&AxisRecord, &SceneOutcome)> {
+        self.axes.iter().flat_map(|axis| axis.scenes.iter().map(move |scene| (axis, scene)))
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum ErrorOf {
@@ -256,20 +288,14 @@ pub(crate) mod made_up {
 
     /// A variant that takes so many seconds and is wrong so often in a million.
     pub fn row(variant: &str, seconds: f64, wrong: u64) -> VariantRecord {
+        let error = ErrorOf::Counted { wrong, trials: 1_000_000 };
         VariantRecord {
-            variant: variant.into(),
-            setting: String::new(),
-            known_defect: None,
             is_reference: wrong == 0,
-            error: ErrorOf::Counted { wrong, trials: 1_000_000 },
-            is_below_reference: false,
             seconds: vec![seconds; 3],
             time_s: Estimate::exactly(seconds),
             ratio: Estimate::exactly(seconds / 2.0),
             standing: VariantStanding::OnFront,
-            also: Default::default(),
-            parts: Vec::new(),
-            is_without: false,
+            ..VariantRecord::new(variant.into(), String::new(), error)
         }
     }
 

@@ -48,10 +48,8 @@ pub fn table(axis: &AxisRecord, scene: &SceneOutcome) -> Table {
 pub fn to_markdown(run: &AccuracyRecord) -> String {
     let mut text = String::from("# What accuracy costs in time: all variants\n\n");
     push_facts(&mut text, run);
-    for axis in &run.axes {
-        for scene in &axis.scenes {
-            push_table(&mut text, &table(axis, scene));
-        }
+    for (axis, scene) in run.scenes() {
+        push_table(&mut text, &table(axis, scene));
     }
     for line in GLOSSARY {
         let _ = writeln!(text, "{line}\n");
@@ -150,9 +148,7 @@ pub fn columns<'a>() -> [Column<VariantRow<'a>>; 19] {
 }
 
 pub fn to_csv(run: &AccuracyRecord) -> Result<String, FormatError> {
-    let scenes =
-        run.axes.iter().flat_map(|axis| axis.scenes.iter().map(move |scene| (axis, scene)));
-    column::csv(&columns(), scenes.flat_map(|(axis, scene)| rows(axis, scene)))
+    column::csv(&columns(), run.scenes().flat_map(|(axis, scene)| rows(axis, scene)))
 }
 
 pub fn rows<'a>(

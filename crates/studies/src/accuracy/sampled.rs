@@ -41,20 +41,27 @@ impl SamplingPlan {
     }
 }
 
-/// A sampled effect of a scene, and who traces it.
-pub struct SampledEffect<'a> {
-    pub scene: &'a Scene,
-    pub tracer: &'a dyn Tracer<f32>,
-    pub max_depth: u32,
-    pub wish: fn(&mut SampleWishes, u32),
-    /// How to have a number of samples without this command.
-    pub option: &'static str,
-    /// The scene without the effect, and who traces it; none where there is no such scene.
-    pub without: Option<(&'a Scene, &'a dyn Tracer<f32>)>,
+/// How samples of an effect are asked for.
+pub struct Sampling {
+    /// Of `render --samples`.
+    option: &'static str,
+    max_depth: u32,
+    wish: fn(&mut SampleWishes, u32),
 }
 
-impl SampledEffect<'_> {
-    /// An image of one of the scenes with so many samples, or one of each.
+/// A scene and who traces it.
+pub type TracedScene<'a> = (&'a Scene, &'a dyn Tracer<f32>);
+
+impl Sampling {
+    pub const fn new(
+        option: &'static str,
+        max_depth: u32,
+        wish: fn(&mut SampleWishes, u32),
+    ) -> Self {
+        Self { option, max_depth, wish }
+    }
+
+    /// An image of a scene with so many samples, or one of each.
     fn plan(
         &self,
         scene: &Scene,
@@ -70,8 +77,14 @@ impl SampledEffect<'_> {
         Ok(plan_of(scene, &RenderSettings { resolution, max_depth, samples: wishes, seed })?)
     }
 
-    /// All numbers of samples, judged, to be timed.
-    pub fn judged<'s>(&'s self, stage: &Stage<'_>) -> Result<ImageCheck<'s>, StudyError> {
+    /// All numbers of samples, judged, to be timed; beside them the scene without the effect, where
+    /// there is such a scene.
+    pub fn judged<'s>(
+        &self,
+        stage: &Stage<'_>,
+        (scene, tracer): TracedScene<'s>,
+        without: Option<TracedScene<'s>>,
+    ) -> Result<ImageCheck<'s>, StudyError> {
         let mut plan = SamplingPlan::new(stage.limits.quick);
         let seeds = if stage.limits.only_times { 1 } else { SEEDS };
         if stage.limits.only_times {
@@ -80,8 +93,8 @@ impl SampledEffect<'_> {
         // what is not timed may use the whole machine
         let helper = pool(machine::threads())?;
         let image = |n, seed| -> Result<Image, StudyError> {
-            let plan = self.plan(self.scene, plan.size, Some(n), seed)?;
-            Ok(helper.install(|| render_plan(self.scene, self.tracer, &plan).image))
+            let plan = self.plan(scene, plan.size, Some(n), seed)?;
+            Ok(helper.install(|| render_plan(scene, tracer, &plan).image))
         };
         // seeds that no variant has
         let far = |i: u64| stage.limits.seed.wrapping_mul(1009).wrapping_add(100_000 + i);
@@ -89,17 +102,15 @@ impl SampledEffect<'_> {
         let reference = ConvergedImage::of(&a, &b);
         let mut faults = Vec::new();
         let mut variants = Vec::new();
-        if let Some((scene, tracer)) = self.without {
+        if let Some((scene, tracer)) = without {
             let plain = self.plan(scene, plan.size, None, stage.limits.seed)?;
             let image = helper.install(|| render_plan(scene, tracer, &plain).image);
             let error = ErrorOf::Rmse { rmse: rmse(&image, &reference.image) };
             let setting = "render, of the scene without what calls for it";
             let work = RepeatedImage::rendered(scene, tracer, plain);
-            variants.push(Variant {
-                is_without: true,
-                also: vec![("samples", 0.0)],
-                ..Variant::new("left out", setting, error, work)
-            });
+            let mut variant = Variant::new("left out", setting, error, work);
+            variant.record.is_without = true;
+            variants.push(variant.also([("samples", 0.0)]));
         }
         for &n in plan.samples {
             let of_seed = |i| image(n, stage.limits.seed.wrapping_mul(31).wrapping_add(i));
@@ -110,13 +121,11 @@ impl SampledEffect<'_> {
                 faults.extend(bad_reference(error, scatter(&images), reference.own_error));
             }
             let error = ErrorOf::Rmse { rmse: error };
-            let plan = self.plan(self.scene, plan.size, Some(n), stage.limits.seed)?;
-            let work = RepeatedImage::rendered(self.scene, self.tracer, plan);
+            let plan = self.plan(scene, plan.size, Some(n), stage.limits.seed)?;
+            let work = RepeatedImage::rendered(scene, tracer, plan);
             let setting = format!("render --samples {}={n}", self.option);
-            variants.push(Variant {
-                also: vec![("samples", f64::from(n))],
-                ..Variant::new(format!("{n} samples"), setting, error, work)
-            });
+            let variant = Variant::new(format!("{n} samples"), setting, error, work);
+            variants.push(variant.also([("samples", f64::from(n))]));
         }
         let said = SceneOutcome {
             reference_error: reference.own_error,

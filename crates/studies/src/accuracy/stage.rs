@@ -7,7 +7,7 @@ use crate::error::StudyError;
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
-use accel_core::structure::{BuildError, StructureStats};
+use accel_core::structure::BuildError;
 use accel_core::structures::Entry;
 use accel_core::{Aabb, Hit, Ray, Scalar, occluders};
 use measurement::plan::rows::Row;
@@ -78,23 +78,24 @@ pub struct Limits {
     pub only_times: bool,
 }
 
-pub struct StagedStructure<'a> {
+pub struct StagedStructure<'a, S: Scalar = f32> {
     pub label: String,
     /// Known defect, by design.
     pub known_defect: Option<&'static str>,
-    pub tracer: Box<dyn Tracer<f32> + 'a>,
+    pub tracer: Box<dyn Tracer<S> + 'a>,
     /// Seconds of the build, made once.
     pub build_s: f64,
 }
 
-impl StagedStructure<'_> {
+impl<S: Scalar> StagedStructure<'_, S> {
     /// How to have it in a run.
     pub fn setting(&self) -> String {
         format!("run -s {}", self.label.replace(' ', ":"))
     }
 
-    pub fn stats(&self) -> StructureStats {
-        self.tracer.stats()
+    /// What it takes beside time, as columns.
+    pub fn columns(&self) -> [(&'static str, f64); 2] {
+        build_columns(self.tracer.stats().bytes, self.build_s)
     }
 }
 
@@ -115,21 +116,7 @@ impl<'a> Stage<'a> {
 
     /// Builds a structure with settings, as `run -s` takes them.
     pub fn built(&self, label: &str) -> Result<StagedStructure<'a>, StudyError> {
-        let row = Row::parse(self.registry, label)?;
-        let build = row.entry.prepare(&row.params);
-        let start = self.clock.now();
-        let tracer = build(self.prepared.geometry.prims(), None);
-        let tracer = tracer.map_err(|source| self.refused(source))?;
-        let build_s = self.clock.seconds_since(start);
-        let (label, known_defect) = (row.label(), row.known_defect());
-        Ok(StagedStructure { label, known_defect, tracer, build_s })
-    }
-
-    pub fn built_all(
-        &self,
-        labels: &[impl AsRef<str>],
-    ) -> Result<Vec<StagedStructure<'a>>, StudyError> {
-        labels.iter().map(|label| self.built(label.as_ref())).collect()
+        self.over(label, &self.prepared.geometry)
     }
 
     /// The structure of that label over other primitives than those of the scene.
@@ -137,8 +124,22 @@ impl<'a> Stage<'a> {
         &self,
         label: &str,
         geometry: &'g Geometry<S>,
-    ) -> Result<Box<dyn Tracer<S> + 'g>, StudyError> {
-        build(self.registry, label, self.name, geometry)
+    ) -> Result<StagedStructure<'g, S>, StudyError> {
+        let row = Row::parse(self.registry, label)?;
+        let build = row.entry.prepare(&row.params);
+        let start = self.clock.now();
+        let tracer = build(geometry.prims(), None).map_err(|source| self.refused(source))?;
+        let build_s = self.clock.seconds_since(start);
+        let (label, known_defect) = (row.label(), row.known_defect());
+        Ok(StagedStructure { label, known_defect, tracer, build_s })
+    }
+
+    pub fn over_each<'g>(
+        &self,
+        label: &str,
+        geometries: &'g [Geometry<f32>],
+    ) -> Result<Vec<StagedStructure<'g>>, StudyError> {
+        geometries.iter().map(|geometry| self.over(label, geometry)).collect()
     }
 
     /// The error for a structure that refuses the scene.
@@ -265,14 +266,6 @@ pub fn counted<S: Scalar>(tracer: &dyn Tracer<S>, batches: &Batches<S>) -> WorkC
         };
     }
     total
-}
-
-/// The rays through each of the structures, each kind timed by itself.
-pub fn replays<'r>(
-    built: &'r [StagedStructure<'_>],
-    batches: &'r Batches<f32>,
-) -> Vec<Replay<'r, f32>> {
-    built.iter().map(|built| Replay::by_kind(&*built.tracer, batches)).collect()
 }
 
 impl<S: Buildable> Work for Replay<'_, S> {

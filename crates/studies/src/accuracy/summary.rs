@@ -113,30 +113,21 @@ pub fn to_markdown(run: &AccuracyRecord) -> String {
     push_facts(&mut text, run);
     push_table(&mut text, &advice(run));
     for axis in &run.axes {
-        for table in cost_tables::over_scenes(axis, run.seed) {
-            push_table(&mut text, &table);
-        }
-        for table in
-            axis.scenes.iter().filter_map(|scene| cost_tables::steps(axis, scene, run.seed))
-        {
+        let steps =
+            axis.scenes.iter().filter_map(|scene| cost_tables::steps(axis, scene, run.seed));
+        for table in cost_tables::over_scenes(axis, run.seed).into_iter().chain(steps) {
             push_table(&mut text, &table);
         }
     }
     if let Some(table) = cost_tables::effects(run) {
         push_table(&mut text, &table);
     }
-    let faults: Vec<String> = run
-        .axes
-        .iter()
-        .flat_map(|a| a.scenes.iter().map(move |s| (a, s)))
-        .flat_map(|(a, s)| s.faults.iter().map(move |f| format!("{} on {}: {f}", a.axis, s.scene)))
-        .collect();
+    let faults = run.scenes().flat_map(|(axis, scene)| {
+        scene.faults.iter().map(|fault| format!("{} on {}: {fault}", axis.axis, scene.scene))
+    });
+    let faults: Vec<String> = faults.map(|fault| format!("* {}\n", escaped(&fault))).collect();
     if !faults.is_empty() {
-        let _ = writeln!(text, "## Faults: these figures are invalid\n");
-        faults.iter().for_each(|f| {
-            let _ = writeln!(text, "* {}", escaped(f));
-        });
-        text.push('\n');
+        let _ = writeln!(text, "## Faults: these figures are invalid\n\n{}", faults.concat());
     }
     text
 }

@@ -4,29 +4,19 @@
 
 use measurement::rounds::interleaved::{Visit, interleaved};
 use measurement::system::clock::{self, Clock};
-use statistics::estimate::Estimate;
 
 use crate::accuracy::pareto::{self, FrontPoint};
 use crate::accuracy::record::{
-    AxisRecord, ErrorOf, PartTime, SceneOutcome, VariantRecord, VariantStanding,
+    AxisRecord, ErrorOf, NO_TIME, PartTime, SceneOutcome, VariantRecord, VariantStanding,
 };
-use crate::accuracy::stage::{Limits, Stage, StagedStructure, Work};
+use crate::accuracy::stage::{Batches, Limits, Replay, Stage, StagedStructure, Work, count};
 use crate::error::StudyError;
 use crate::images::TIMES_REFERENCE;
 
 /// A variant, judged and ready to be timed.
 pub struct Variant<'a> {
-    pub name: String,
-    /// How to have it without this command.
-    pub setting: String,
-    /// Known defect, by design.
-    pub known_defect: Option<&'static str>,
-    pub is_reference: bool,
-    pub error: ErrorOf,
-    /// More of it, by name.
-    pub also: Vec<(&'static str, f64)>,
-    pub work: Box<dyn Work + 'a>,
-    pub is_without: bool,
+    pub record: VariantRecord,
+    work: Box<dyn Work + 'a>,
 }
 
 impl<'a> Variant<'a> {
@@ -37,16 +27,14 @@ impl<'a> Variant<'a> {
         error: ErrorOf,
         work: impl Work + 'a,
     ) -> Self {
-        Self {
-            name: name.into(),
-            setting: setting.into(),
-            known_defect: None,
-            is_reference: false,
-            error,
-            also: Vec::new(),
-            work: Box::new(work),
-            is_without: false,
-        }
+        let mut record = VariantRecord::new(name.into(), setting.into(), error);
+        let part = |part: &&str| PartTime {
+            part: (*part).to_owned(),
+            seconds: Vec::new(),
+            ratio: NO_TIME,
+        };
+        record.parts = work.parts().iter().map(part).collect();
+        Self { record, work: Box::new(work) }
     }
 
     /// A structure with settings of its own.
@@ -56,8 +44,28 @@ impl<'a> Variant<'a> {
         error: ErrorOf,
         work: impl Work + 'a,
     ) -> Self {
-        let known_defect = built.known_defect;
-        Self { known_defect, ..Self::new(name, built.setting(), error, work) }
+        Self::new(name, built.setting(), error, work).with_defect(built.known_defect)
+    }
+
+    #[must_use]
+    pub fn with_defect(mut self, known_defect: Option<&'static str>) -> Self {
+        self.record.known_defect = known_defect.map(Into::into);
+        self
+    }
+
+    /// Sets whether it is the one that all others are compared with.
+    #[must_use]
+    pub fn as_reference(mut self, is_reference: bool) -> Self {
+        self.record.is_reference = is_reference;
+        self
+    }
+
+    /// Adds further figures, by name.
+    #[must_use]
+    pub fn also(mut self, figures: impl IntoIterator<Item = (&'static str, f64)>) -> Self {
+        let figures = figures.into_iter().map(|(name, x)| (name.to_owned(), x));
+        self.record.also.extend(figures);
+        self
     }
 }
 
@@ -74,16 +82,19 @@ pub fn timed<'v>(
     mut outcome: SceneOutcome,
     variants: impl IntoIterator<Item = Variant<'v>>,
 ) -> SceneOutcome {
+    // all are made before the first one is timed
     let variants: Vec<Variant<'v>> = variants.into_iter().collect();
     let (mut rows, mut works) = (Vec::new(), Vec::new());
-    for mut variant in variants {
-        rows.push(untimed(&variant, outcome.reference_error));
+    for Variant { mut record, mut work } in variants {
+        record.is_below_reference =
+            record.error.value() < TIMES_REFERENCE * outcome.reference_error;
+        rows.push(record);
         // the first run, which warms up, gives the answers that all others must repeat
-        variant.work.prepare();
-        variant.work.run();
-        let answers = variant.work.fingerprint();
-        let ((), seconds) = clock::timed(stage.clock, || variant.work.run());
-        works.push((variant.work, answers, repeats(seconds)));
+        work.prepare();
+        work.run();
+        let answers = work.fingerprint();
+        let ((), seconds) = clock::timed(stage.clock, || work.run());
+        works.push((work, answers, repeats(seconds)));
     }
     let purpose = format!("{}/{}", stage.axis, stage.name);
     let Limits { rounds, seed, .. } = stage.limits;
@@ -106,6 +117,34 @@ pub fn timed<'v>(
     outcome
 }
 
+/// Error of a variant, and further figures of it by name.
+pub type Judged = (ErrorOf, Vec<(&'static str, f64)>);
+
+/// Times structures that differ in a setting, each by its name and its label, on the same rays.
+/// `judge` is given the number of each and the answers of all; `said` says whose rays they are and
+/// through what they go.
+pub fn timed_settings(
+    stage: &Stage<'_>,
+    settings: &[(&str, String)],
+    reference: &str,
+    batches: &Batches<f32>,
+    mut said: SceneOutcome,
+    judge: impl Fn(usize, &StagedStructure<'_>, &[Replay<'_, f32>]) -> Result<Judged, StudyError>,
+) -> Result<SceneOutcome, StudyError> {
+    let built = settings.iter().map(|(_, label)| stage.built(label));
+    let built = built.collect::<Result<Vec<_>, StudyError>>()?;
+    let replays: Vec<Replay<'_, f32>> =
+        built.iter().map(|built| Replay::by_kind(&*built.tracer, batches)).collect();
+    let judged = built.iter().enumerate().map(|(i, built)| judge(i, built, &replays));
+    let judged = judged.collect::<Result<Vec<Judged>, StudyError>>()?;
+    said.timed = format!("{} rays {}", count(batches), said.timed);
+    let rows = settings.iter().zip(&built).zip(replays).zip(judged);
+    let variants = rows.map(|((((name, _), built), replay), (error, figures))| {
+        Variant::built(*name, built, error, replay).as_reference(*name == reference).also(figures)
+    });
+    Ok(timed(stage, said, variants))
+}
+
 /// Seconds of the work, made so many times; those of its parts are added to them.
 fn seconds(clock: &dyn Clock, repeats: u32, work: &mut dyn Work, parts: &mut [PartTime]) -> f64 {
     let timed = |run: &mut dyn FnMut()| {
@@ -126,46 +165,18 @@ fn seconds(clock: &dyn Clock, repeats: u32, work: &mut dyn Work, parts: &mut [Pa
 
 /// Cheapest variant from `first` on, by the median over common rounds. (Separate medians would
 /// compare different rounds.)
-fn cheapest(outcome: &SceneOutcome, first: usize) -> usize {
-    let mut least = first;
-    for (i, row) in outcome.rows.iter().enumerate().skip(first + 1) {
-        if let Some(best) = outcome.rows.get(least)
-            && outcome.ratios(&row.seconds, &best.seconds).middle().is_some_and(|ratio| ratio < 1.0)
-        {
-            least = i;
-        }
-    }
-    least
-}
-
-const NO_TIME: Estimate = Estimate { median: f64::NAN, low: f64::NAN, high: f64::NAN };
-
-fn untimed(variant: &Variant<'_>, own_error: f64) -> VariantRecord {
-    let part =
-        |part: &&str| PartTime { part: (*part).to_owned(), seconds: Vec::new(), ratio: NO_TIME };
-    VariantRecord {
-        variant: variant.name.clone(),
-        setting: variant.setting.clone(),
-        known_defect: variant.known_defect.map(Into::into),
-        is_reference: variant.is_reference,
-        error: variant.error,
-        is_below_reference: variant.error.value() < TIMES_REFERENCE * own_error,
-        seconds: Vec::new(),
-        time_s: NO_TIME,
-        ratio: NO_TIME,
-        standing: VariantStanding::Dominated,
-        also: variant.also.iter().map(|(name, x)| ((*name).to_owned(), *x)).collect(),
-        parts: variant.work.parts().iter().map(part).collect(),
-        is_without: variant.is_without,
-    }
+fn cheapest(outcome: &SceneOutcome, first: usize) -> Option<&VariantRecord> {
+    outcome.rows.iter().skip(first).reduce(|best, row| {
+        let ratio = outcome.ratios(&row.seconds, &best.seconds).middle();
+        if ratio.is_some_and(|ratio| ratio < 1.0) { row } else { best }
+    })
 }
 
 /// Makes times, ratios and places of the variants from the seconds of their rounds.
 pub fn figure(outcome: &mut SceneOutcome, seed: u64) {
     let variants_begin = outcome.rows.iter().take_while(|row| row.is_without).count();
-    let seconds = |row: &VariantRecord| row.seconds.clone();
-    let cheapest =
-        outcome.rows.get(cheapest(outcome, variants_begin)).map(seconds).unwrap_or_default();
+    let cheapest = cheapest(outcome, variants_begin);
+    let cheapest = cheapest.map(|row| row.seconds.clone()).unwrap_or_default();
     let first = outcome.rows.first().map(|row| row.parts.clone()).unwrap_or_default();
     let mut rows = std::mem::take(&mut outcome.rows);
     for row in &mut rows {
@@ -288,8 +299,8 @@ mod tests {
         for (row, seconds) in outcome.rows.iter_mut().zip(seconds) {
             row.seconds = seconds;
         }
-        assert_eq!(cheapest(&outcome, 0), 1);
-        assert_eq!(cheapest(&outcome, 2), 2);
+        assert_eq!(cheapest(&outcome, 0).unwrap().variant, "b");
+        assert_eq!(cheapest(&outcome, 2).unwrap().variant, "c");
         assert_eq!((repeats(1.0), repeats(0.001), repeats(0.0)), (1, 4, 1000));
     }
 

@@ -233,8 +233,7 @@ impl<'p> Lane<'p> {
             let threads = self.record.threads;
             let timed = || built.timed(on.scope.clock, batch, &mut answers, threads);
             seconds += self.pool.install(timed);
-            let judged = judge(on.scope.stage, asked, batch, &answers, built.exactness());
-            self.note(on, judged.wrong, judged.example);
+            self.judge(on, built, (asked, batch), &answers);
         }
         seconds
     }
@@ -252,23 +251,25 @@ impl<'p> Lane<'p> {
         let mut all = WorkCounters::default();
         for batch in &asked.batches {
             let (answers, work) = on.scope.pools.helper.install(|| built.count(batch));
-            let judged = judge(on.scope.stage, asked, batch, &answers, built.exactness());
-            self.note(on, judged.wrong, judged.example);
+            self.judge(on, built, (asked, batch), &answers);
             all += work;
         }
         Some(WorkRecord::of(asked.total(), &all))
     }
 
-    fn note<S: Buildable>(
+    /// Counts the wrong answers to a batch.
+    fn judge<S: Buildable>(
         &mut self,
         on: &FrameInput<'_, '_, S>,
-        wrong: usize,
-        example: Option<String>,
+        built: &BuiltRow<'_, S>,
+        (asked, batch): (&BatchSet<'_, S>, &Batch<'_, S>),
+        answers: &Answers<S>,
     ) {
-        self.record.mismatches += wrong as u64;
+        let judged = judge(on.scope.stage, asked, batch, answers, built.exactness());
+        self.record.mismatches += judged.wrong as u64;
         if self.record.example.is_none() {
             let number = on.frame.number;
-            self.record.example = example.map(|example| format!("frame {number}: {example}"));
+            self.record.example = judged.example.map(|text| format!("frame {number}: {text}"));
         }
     }
 }

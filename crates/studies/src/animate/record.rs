@@ -88,6 +88,31 @@ pub struct Totals {
     pub rays: f64,
 }
 
+/// A row with what it takes; nothing of one whose times may not be shown.
+#[derive(Debug, Clone)]
+pub struct RankedLane<'a> {
+    pub lane: &'a LaneRecord,
+    pub totals: Option<Totals>,
+    /// Frames per second.
+    pub rate: Option<Estimate>,
+}
+
+impl AnimationRecord {
+    /// The rows with that many threads: those with the most frames per second first, those without
+    /// times last.
+    pub fn ranked(&self, threads: usize) -> Vec<RankedLane<'_>> {
+        let lanes = self.lanes.iter().filter(|lane| lane.threads == threads).map(|lane| {
+            let totals = lane.totals(self);
+            let rate = totals.as_ref().and_then(|totals| totals.frames_per_second(self.seed));
+            RankedLane { lane, totals, rate }
+        });
+        let mut lanes: Vec<RankedLane<'_>> = lanes.collect();
+        let median = |lane: &RankedLane<'_>| lane.rate.map_or(-1.0, |rate| rate.median);
+        lanes.sort_by(|a, b| median(b).total_cmp(&median(a)));
+        lanes
+    }
+}
+
 impl LaneRecord {
     pub fn label(&self) -> String {
         label(&self.structure, &self.settings)
@@ -122,7 +147,7 @@ impl LaneRecord {
     }
 
     /// Over its frames; none where its times may not be shown.
-    pub fn totals(&self, run: &AnimationRecord) -> Option<Totals> {
+    fn totals(&self, run: &AnimationRecord) -> Option<Totals> {
         let frames = self.updates();
         if !self.is_timed() || frames.is_empty() {
             return None;
@@ -157,7 +182,7 @@ impl LaneFrame {
 }
 
 impl Totals {
-    pub fn frames_per_second(&self, seed: u64) -> Option<Estimate> {
+    fn frames_per_second(&self, seed: u64) -> Option<Estimate> {
         let both = self.update_s.iter().zip(&self.trace_s).map(|(a, b)| 1.0 / (a + b));
         estimate(&both.collect::<Vec<_>>(), seed)
     }

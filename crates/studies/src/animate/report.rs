@@ -2,15 +2,17 @@
 //! CSV; and plots over its frames.
 
 use measurement::record::{Verdict, WorkRecord};
-use presentation::csv::{number, written};
+use presentation::column::{self, Column, Unit, Value};
 use presentation::json::FormatError;
 use presentation::markdown::{escaped, push_table};
 use presentation::numbers;
 use presentation::svg_plot::{Axis, Plot, Point, Scale, Series, figure};
-use presentation::table::{Cell, Style, Table, dash};
+use presentation::table::{Cell, Style, Table};
 use statistics::estimate::{Estimate, estimate, median};
 
-use crate::animate::record::{AnimationRecord, FrameRecord, LaneFrame, LaneRecord};
+use crate::animate::record::{
+    AnimationRecord, FrameRecord, LaneFrame, LaneRecord, RankedLane, Totals,
+};
 use crate::animate::verdict;
 
 pub const FIRST: [&str; 5] = ["frames/s", "verdict", "update ms", "trace ms", "worst ms"];
@@ -24,48 +26,68 @@ pub fn tables(run: &AnimationRecord) -> Vec<Table> {
 }
 
 fn table(run: &AnimationRecord, threads: usize) -> Table {
-    let mut lanes: Vec<_> = run
-        .lanes
-        .iter()
-        .filter(|lane| lane.threads == threads)
-        .map(|lane| {
-            let rate = lane.totals(run).and_then(|totals| totals.frames_per_second(run.seed));
-            (lane, rate)
-        })
-        .collect();
-    // what is not timed comes last
-    let rate = |rate: &Option<statistics::estimate::Estimate>| rate.map_or(-1.0, |r| r.median);
-    lanes.sort_by(|a, b| rate(&b.1).total_cmp(&rate(&a.1)));
-    let header = vec![
-        "structure",
-        "frames/s",
-        "worst ms",
-        "frame",
-        "update ms",
-        "trace ms",
-        "updated %",
-        "MiB",
-        "N_IT",
-        "N_TS",
-        "cost",
-        "cost x",
-        "overlap",
-        "verdict",
-    ];
-    let rows = lanes.iter().map(|(lane, rate)| {
-        let mut cells: Vec<Cell> = vec![lane.label().into()];
-        cells.push(rate.map_or_else(dash, |rate| numbers::interval(&rate).into()));
-        cells.extend(of_times(run, lane));
-        cells.extend(of_structure(lane));
-        cells.push(verdict_cell(lane));
-        cells
-    });
-    let mut notes: Vec<String> = verdict::lines(run, threads);
-    for (lane, _) in &lanes {
+    let lanes = run.ranked(threads);
+    let mut notes: Vec<String> = verdict::lines(run, &lanes, threads);
+    for RankedLane { lane, .. } in &lanes {
         let said = lane.error.as_ref().or(lane.example.as_ref());
         notes.extend(said.map(|said| format!("{}: {said}", lane.label())));
     }
-    Table { title: title(run, threads), header, rows: rows.collect(), notes }
+    let columns = lane_columns();
+    let heads = column::heads(&columns);
+    Table { title: title(run, threads), notes, ..column::table(&columns, &heads, &lanes) }
+}
+
+/// Columns of the rows: memory at its most, work and quality on average.
+#[rustfmt::skip]
+fn lane_columns<'a>() -> [Column<RankedLane<'a>>; 14] {
+    use Unit::{Bytes, None, PerRay, Seconds};
+    use Value::{Count, Real, Text};
+    let c = |head, unit, of| Column::new(&[], head, unit, of);
+    [
+        c("structure", None, |of: &RankedLane<'a>| Text(of.lane.label())),
+        c("frames/s", None, |of| Value::of(of.rate, Value::Measured))
+            .or(|of| of.rate.map(|rate| numbers::interval(&rate).into())),
+        c("worst ms", Seconds, |of| Value::of(of.worst(), |(_, seconds)| Real(seconds))),
+        c("frame", None, |of| Value::of(of.worst(), |(frame, _)| Count(frame.into()))),
+        c("update ms", Seconds, |of| of.median(|totals| &totals.update_s)),
+        c("trace ms", Seconds, |of| of.median(|totals| &totals.trace_s)),
+        c("updated %", None, |of| of.median(|totals| &totals.update_s))
+            .or(|of| of.totals.as_ref().map(|_| format!("{:.0}", 100.0 * of.lane.updated()).into())),
+        c("MiB", Bytes, |of| Value::of(of.lane.frames.iter().map(|frame| frame.bytes).max(), Count)),
+        c("N_IT", PerRay, |of| per_ray(of.lane, |work| work.intersection_tests)),
+        c("N_TS", PerRay, |of| per_ray(of.lane, |work| work.traversal_steps)),
+        c("cost", None, |of| mean(of.lane, |frame| frame.expected_cost)),
+        c("cost x", None, |of| {
+            let of_frame = |frame: Option<&LaneFrame>| frame.and_then(|frame| frame.expected_cost);
+            let (first, last) = (of_frame(of.lane.frames.first()), of_frame(of.lane.frames.last()));
+            Value::of(first.zip(last), |(first, last)| Real(last / first))
+        }),
+        c("overlap", None, |of| mean(of.lane, |frame| frame.overlap)),
+        c("verdict", None, |_| Value::None).or(|of| Some(verdict_cell(of.lane))),
+    ]
+}
+
+impl RankedLane<'_> {
+    fn worst(&self) -> Option<(u32, f64)> {
+        self.totals.as_ref().and_then(|_| self.lane.worst())
+    }
+
+    fn median(&self, of: fn(&Totals) -> &Vec<f64>) -> Value {
+        Value::of(self.totals.as_ref().and_then(|totals| median(of(totals))), Value::Real)
+    }
+}
+
+fn per_ray(lane: &LaneRecord, of: fn(&WorkRecord) -> u64) -> Value {
+    let works: Vec<&WorkRecord> = lane.updates().iter().filter_map(|f| f.work.as_ref()).collect();
+    let sum = |of: fn(&WorkRecord) -> u64| works.iter().map(|work| of(work)).sum::<u64>() as f64;
+    let rays = sum(|work| work.rays);
+    Value::of((rays > 0.0).then(|| sum(of) / rays), Value::Real)
+}
+
+fn mean(lane: &LaneRecord, of: fn(&LaneFrame) -> Option<f64>) -> Value {
+    let all: Vec<f64> = lane.updates().iter().filter_map(of).collect();
+    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    Value::of((!all.is_empty()).then_some(mean), Value::Real)
 }
 
 fn title(run: &AnimationRecord, threads: usize) -> String {
@@ -88,45 +110,6 @@ fn title(run: &AnimationRecord, threads: usize) -> String {
         run.kinds.join(", "),
         if threads == 1 { "" } else { "s" }
     )
-}
-
-fn of_times(run: &AnimationRecord, lane: &LaneRecord) -> Vec<Cell> {
-    let ms =
-        |samples: &[f64]| median(samples).map_or_else(dash, |s| numbers::milliseconds(s).into());
-    let Some(totals) = lane.totals(run) else { return (0..5).map(|_| dash()).collect() };
-    let worst = lane.worst();
-    vec![
-        worst.map_or_else(dash, |(_, seconds)| numbers::milliseconds(seconds).into()),
-        worst.map_or_else(dash, |(frame, _)| frame.to_string().into()),
-        ms(&totals.update_s),
-        ms(&totals.trace_s),
-        format!("{:.0}", 100.0 * lane.updated()).into(),
-    ]
-}
-
-/// Memory at its most, work and quality on average.
-fn of_structure(lane: &LaneRecord) -> Vec<Cell> {
-    let bytes = lane.frames.iter().map(|frame| frame.bytes).max();
-    let works: Vec<&WorkRecord> = lane.updates().iter().filter_map(|f| f.work.as_ref()).collect();
-    let sum = |of: fn(&WorkRecord) -> u64| works.iter().map(|work| of(work)).sum::<u64>() as f64;
-    let rays = sum(|work| work.rays);
-    let a_ray = |of| if rays > 0.0 { format!("{:.2}", sum(of) / rays).into() } else { dash() };
-    let mean = |of: fn(&LaneFrame) -> Option<f64>| {
-        let all: Vec<f64> = lane.updates().iter().filter_map(of).collect();
-        (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
-    };
-    let first = lane.frames.first().and_then(|frame| frame.expected_cost);
-    let last = lane.frames.last().and_then(|frame| frame.expected_cost);
-    let grown = first.zip(last).map(|(first, last)| last / first);
-    let short = |x: Option<f64>| x.map_or_else(dash, |x| numbers::short(x).into());
-    vec![
-        bytes.map_or_else(dash, |bytes| numbers::mebibytes(bytes).into()),
-        a_ray(|work| work.intersection_tests),
-        a_ray(|work| work.traversal_steps),
-        short(mean(|frame| frame.expected_cost)),
-        short(grown),
-        short(mean(|frame| frame.overlap)),
-    ]
 }
 
 fn verdict_cell(lane: &LaneRecord) -> Cell {
@@ -167,63 +150,64 @@ pub const GLOSSARY: &[&str] = &[
      overlap), of random points.",
 ];
 
+/// A row in a frame.
+struct FrameRow<'a> {
+    run: &'a AnimationRecord,
+    lane: &'a LaneRecord,
+    frame: &'a LaneFrame,
+}
+
+impl FrameRow<'_> {
+    /// A count of the frame itself.
+    fn count(&self, of: fn(&FrameRecord) -> Option<u64>) -> Value {
+        let frame = self.run.frames.iter().find(|f| f.frame == self.frame.frame);
+        Value::of(frame.and_then(of), Value::Count)
+    }
+
+    fn median(&self, samples: &[f64]) -> Value {
+        Value::of(median(samples).filter(|_| self.lane.is_timed()), Value::Real)
+    }
+
+    fn work(&self, counter: usize) -> Value {
+        let per_ray = self.frame.work.as_ref().map(WorkRecord::per_ray);
+        Value::of(per_ray.and_then(|work| work.get(counter).copied()), Value::Real)
+    }
+}
+
+#[rustfmt::skip]
+fn frame_columns<'a>() -> [Column<FrameRow<'a>>; 19] {
+    use Value::{Count, Real, Text};
+    let c = |keys, of| Column::new(keys, "", Unit::None, of);
+    [
+        c(&["scene"], |of: &FrameRow<'a>| Text(of.run.scene.clone())),
+        c(&["frame"], |of| Count(of.frame.frame.into())),
+        c(&["primitives"], |of| of.count(|frame| Some(frame.primitives))),
+        c(&["moved"], |of| of.count(|frame| frame.moved)),
+        c(&["rays"], |of| of.count(|frame| Some(frame.rays))),
+        c(&["structure"], |of| Text(of.lane.structure.clone())),
+        c(&["settings"], |of| Text(of.lane.settings.clone())),
+        c(&["threads"], |of| Count(of.lane.threads as u64)),
+        c(&["rounds"], |of| Count(of.frame.update_s.len() as u64)),
+        c(&["updated"], |of| Count(of.frame.updated as u64)),
+        c(&["update_s"], |of| of.median(&of.frame.update_s)),
+        c(&["trace_s"], |of| of.median(&of.frame.trace_s)),
+        c(&["every_nth_ray"], |of| Count(of.lane.stride as u64)),
+        c(&["bytes"], |of| Count(of.frame.bytes)),
+        c(&["n_it"], |of| of.work(0)),
+        c(&["n_ts"], |of| of.work(1)),
+        c(&["expected_cost"], |of| Value::of(of.frame.expected_cost, Real)),
+        c(&["overlap"], |of| Value::of(of.frame.overlap, Real)),
+        c(&["mismatches_of_all_frames"], |of| Count(of.lane.mismatches)),
+    ]
+}
+
+/// Each row in each frame as CSV.
 pub fn frames(run: &AnimationRecord) -> Result<String, FormatError> {
-    written(|writer| {
-        writer.write_record([
-            "scene",
-            "frame",
-            "primitives",
-            "moved",
-            "rays",
-            "structure",
-            "settings",
-            "threads",
-            "rounds",
-            "updated",
-            "update_s",
-            "trace_s",
-            "every_nth_ray",
-            "bytes",
-            "n_it",
-            "n_ts",
-            "expected_cost",
-            "overlap",
-            "mismatches_of_all_frames",
-        ])?;
-        for lane in &run.lanes {
-            for frame in &lane.frames {
-                let of = run.frames.iter().find(|f| f.frame == frame.frame);
-                let count = |n: Option<u64>| n.map(|n| n.to_string()).unwrap_or_default();
-                let shown = |samples: &[f64]| number(median(samples).filter(|_| lane.is_timed()));
-                let [n_it, n_ts, ..] = match &frame.work {
-                    Some(work) => work.per_ray().map(Some),
-                    None => [None; 4],
-                };
-                writer.write_record([
-                    run.scene.clone(),
-                    frame.frame.to_string(),
-                    count(of.map(|f| f.primitives)),
-                    count(of.and_then(|f| f.moved)),
-                    count(of.map(|f| f.rays)),
-                    lane.structure.clone(),
-                    lane.settings.clone(),
-                    lane.threads.to_string(),
-                    frame.update_s.len().to_string(),
-                    frame.updated.to_string(),
-                    shown(&frame.update_s),
-                    shown(&frame.trace_s),
-                    lane.stride.to_string(),
-                    frame.bytes.to_string(),
-                    number(n_it),
-                    number(n_ts),
-                    number(frame.expected_cost),
-                    number(frame.overlap),
-                    lane.mismatches.to_string(),
-                ])?;
-            }
-        }
-        Ok(())
-    })
+    let rows = run
+        .lanes
+        .iter()
+        .flat_map(|lane| lane.frames.iter().map(move |frame| FrameRow { run, lane, frame }));
+    column::csv(&frame_columns(), rows)
 }
 
 struct Quantity {
@@ -266,22 +250,14 @@ const QUANTITIES: [Quantity; 4] = [
 const MOST_ROWS: usize = 8;
 
 pub fn to_svg(run: &AnimationRecord) -> String {
-    let rate = |lane: &LaneRecord| {
-        lane.totals(run).and_then(|totals| totals.frames_per_second(run.seed)).map(|e| e.median)
-    };
-    let of_one = run.lanes.iter().filter(|lane| lane.threads == 1);
-    let mut lanes: Vec<(&LaneRecord, f64)> =
-        of_one.filter_map(|lane| Some((lane, rate(lane)?))).collect();
-    lanes.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let left_out = lanes.len().saturating_sub(MOST_ROWS);
+    let mut lanes = run.ranked(1);
+    lanes.retain(|lane| lane.rate.is_some());
+    let mut subtitle = "medians with 95% intervals; one thread".to_owned();
+    if lanes.len() > MOST_ROWS {
+        subtitle +=
+            &format!("; the {MOST_ROWS} rows with the most frames per second of {}", lanes.len());
+    }
     lanes.truncate(MOST_ROWS);
-    let subtitle = match left_out {
-        0 => "medians with 95% intervals; one thread".to_owned(),
-        n => format!(
-            "medians with 95% intervals; one thread; the {MOST_ROWS} rows with the most frames per second of {}",
-            n + MOST_ROWS
-        ),
-    };
     let panels: Vec<Plot> =
         QUANTITIES.iter().filter_map(|q| panel(run, &lanes, q, &subtitle)).collect();
     figure(&panels)
@@ -289,13 +265,13 @@ pub fn to_svg(run: &AnimationRecord) -> String {
 
 fn panel(
     run: &AnimationRecord,
-    lanes: &[(&LaneRecord, f64)],
+    lanes: &[RankedLane<'_>],
     quantity: &Quantity,
     subtitle: &str,
 ) -> Option<Plot> {
     let series: Vec<Series> = lanes
         .iter()
-        .map(|(lane, _)| {
+        .map(|RankedLane { lane, .. }| {
             let point = |frame: &LaneFrame| {
                 let of = (quantity.of)(lane, frame)?;
                 Some(Point { x: f64::from(frame.frame), y: of.median, low: of.low, high: of.high })

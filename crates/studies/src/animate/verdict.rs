@@ -3,25 +3,21 @@
 use presentation::numbers;
 use statistics::estimate::Estimate;
 
-use crate::animate::record::{AnimationRecord, LaneRecord, Totals};
+use crate::animate::record::{AnimationRecord, LaneRecord, RankedLane, Totals};
 use crate::run::costs::{Cost, envelope};
 
-type TimedLane<'a> = (&'a LaneRecord, Totals);
+/// A row that is right, and what it takes.
+type TimedLane<'a> = (&'a LaneRecord, &'a Totals);
 
-/// Rows that are right, with that many threads.
-fn right(run: &AnimationRecord, threads: usize) -> Vec<TimedLane<'_>> {
-    let lanes = run.lanes.iter().filter(|lane| lane.threads == threads);
-    let right = lanes.filter(|lane| lane.mismatches == 0);
-    right.filter_map(|lane| Some((lane, lane.totals(run)?))).collect()
-}
-
-/// In words, a line each, for a number of threads.
-pub fn lines(run: &AnimationRecord, threads: usize) -> Vec<String> {
-    let rows = right(run, threads);
-    let fps = |(_, totals): &TimedLane<'_>| totals.frames_per_second(run.seed);
-    let best = rows.iter().filter_map(|row| Some((row, fps(row)?)));
-    let best = best.max_by(|a, b| a.1.median.total_cmp(&b.1.median));
-    let Some((best, rate)) = best else { return Vec::new() };
+/// In words, a line each, for a number of threads and its rows, the one with the most frames per
+/// second first.
+pub fn lines(run: &AnimationRecord, lanes: &[RankedLane<'_>], threads: usize) -> Vec<String> {
+    let is_right = |of: &&RankedLane<'_>| of.lane.mismatches == 0 && of.totals.is_some();
+    let right = || lanes.iter().filter(is_right);
+    let rows: Vec<TimedLane<'_>> =
+        right().filter_map(|of| Some((of.lane, of.totals.as_ref()?))).collect();
+    let best = right().next().and_then(|of| of.rate);
+    let (Some(best), Some(rate)) = (rows.first(), best) else { return Vec::new() };
     let threads_of = if threads == 1 { "1 thread".into() } else { format!("{threads} threads") };
     let mut lines = vec![format!(
         "With {threads_of}, {} has the most frames per second: {} at {} rays per frame.",
@@ -79,16 +75,16 @@ fn grid_and_bvh(run: &AnimationRecord, rows: &[TimedLane<'_>]) -> Option<String>
             numbers::interval(at)
         )
     };
-    Some(if let Some(at) = bvh.1.break_even(&grid.1, run.seed) {
+    Some(if let Some(at) = bvh.1.break_even(grid.1, run.seed) {
         pair(&at, &grid_label, &bvh_label)
-    } else if let Some(at) = grid.1.break_even(&bvh.1, run.seed) {
+    } else if let Some(at) = grid.1.break_even(bvh.1, run.seed) {
         pair(&at, &bvh_label, &grid_label)
     } else {
         let is_bvh = bvh.1.seconds_of(bvh.1.rays) < grid.1.seconds_of(grid.1.rays);
         let [(faster, first), (_, other)] = if is_bvh {
-            [(&bvh_label, &bvh.1), (&grid_label, &grid.1)]
+            [(&bvh_label, bvh.1), (&grid_label, grid.1)]
         } else {
-            [(&grid_label, &grid.1), (&bvh_label, &bvh.1)]
+            [(&grid_label, grid.1), (&bvh_label, bvh.1)]
         };
         let ends = [0.0, RAYS[1]];
         let is_always = ends.iter().all(|&n| first.seconds_of(n) <= other.seconds_of(n));

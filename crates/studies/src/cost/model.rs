@@ -116,31 +116,30 @@ fn of<P: PrimSet<f32>>(prims: &P, clock: &dyn Clock) -> f64 {
 
 /// Primitives and rays through their boxes.
 fn drawn(prims: &dyn Primitives<f32>) -> Vec<(u32, Ray<f32>)> {
-    let mut sums = Vec::with_capacity(prims.len());
+    if prims.is_empty() {
+        return Vec::new();
+    }
     let mut total = 0.0;
-    for id in 0..prims.len() as u32 {
+    let sum = |id| {
         // flat boxes on an axis still have an area; a point has next to none
         total += prims.bounds(id).half_area().max(f64::MIN_POSITIVE);
-        sums.push(total);
-    }
+        total
+    };
+    let sums: Vec<f64> = (0..prims.len() as u32).map(sum).collect();
     let reach = prims.scene_bounds().size().to_dvec3().length();
     let mut random = Random::new(1, "test time");
     let mut unit = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
-    let mut pairs = Vec::with_capacity(TESTS);
-    for i in 0..TESTS {
+    let pair = |i: usize| {
         let at = (i as f64 + unit()) / TESTS as f64 * total;
-        let id = sums.partition_point(|sum| *sum <= at).min(prims.len().saturating_sub(1)) as u32;
-        if prims.is_empty() {
-            break;
-        }
+        let id = sums.partition_point(|sum| *sum <= at).min(prims.len() - 1) as u32;
         let bounds = prims.bounds(id);
         let size = bounds.size().to_dvec3();
         let target = bounds.min.to_dvec3() + size * DVec3::new(unit(), unit(), unit());
         let direction = DVec3::new(unit() - 0.5, unit() - 0.5, unit() - 0.5);
         let direction = direction.normalize_or(DVec3::X);
-        pairs.push((id, Ray::from_dvec3(target - direction * reach, direction)));
-    }
-    pairs
+        (id, Ray::from_dvec3(target - direction * reach, direction))
+    };
+    (0..TESTS).map(pair).collect()
 }
 
 #[cfg(test)]

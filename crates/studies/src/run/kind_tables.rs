@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::run::tables::{left_out, name_in_column};
+use crate::run::tables::{left_out, row_names};
 use crate::run::time_to_image::{self, TimeToImage, TimesToImage};
 use measurement::rays::order::kind_of;
 use measurement::record::metrics::{METRICS, Reading};
@@ -46,11 +46,10 @@ pub fn scene_table<'r>(
     let reference = reference::of_scene(scene).unwrap_or_else(|| run.settings.reference.clone());
     let times = TimesToImage::of(scene);
     let obvhs = times.fastest_obvhs();
-    let mut previous = "";
+    let mut name = row_names(indent);
     let rows = shown_rows.into_iter().map(|row| {
-        let name = name_in_column(&row.structure, &row.settings, previous, indent);
-        previous = &row.structure;
-        let mut cells: Vec<Cell> = vec![name.into(), row.query.name().to_owned().into()];
+        let query = row.query.name().to_owned().into();
+        let mut cells = vec![name(&row.structure, &row.settings), query];
         cells.extend(kinds.iter().map(|kind| speed(row.ratio_by_kind.get(*kind))));
         let time = times.of_row(&row.label());
         cells.push(time.map_or_else(dash, |t| numbers::milliseconds(t.timed.middle).into()));
@@ -78,12 +77,11 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
     let of_means = run.scenes.iter().filter(|s| reference::is_over(s, &reference));
     let of_means: Vec<(&SceneRecord, RowsByName<'_>)> =
         of_means.map(|scene| (scene, by_name(scene))).collect();
-    let mut previous = "";
+    let mut name = row_names(indent);
     let rows = run.summary.iter().map(|row| {
-        let name = name_in_column(&row.structure, &row.settings, previous, indent);
-        previous = &row.structure;
-        let query = Query::over_scenes(row.batch_scenes, row.scenes);
-        let mut cells: Vec<Cell> = vec![name.into(), query.into(), row.scenes.to_string().into()];
+        let query = Query::over_scenes(row.batch_scenes, row.scenes).into();
+        let scenes = row.scenes.to_string().into();
+        let mut cells = vec![name(&row.structure, &row.settings), query, scenes];
         for kind in &kinds {
             cells.push(speed(row.ratio_by_kind.get(*kind)));
             let of = |(scene, rows): &(&SceneRecord, RowsByName<'_>)| {
@@ -94,8 +92,8 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
             let by_scene = of_means.iter().filter_map(of);
             cells.push(named(by_scene.min_by(|a, b| a.1.total_cmp(&b.1))));
         }
-        let name = label(&row.structure, &row.settings);
-        match time_to_image::over_scenes(&pictures, &name, run.settings.seed) {
+        let label = label(&row.structure, &row.settings);
+        match time_to_image::over_scenes(&pictures, &label, run.settings.seed) {
             Some((by_scene, mean)) => {
                 cells.push(numbers::ratio(&mean).into());
                 cells.push(named(by_scene.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))));

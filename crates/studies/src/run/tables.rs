@@ -43,11 +43,9 @@ pub fn scene_table<'r>(
     header.extend(has_batches.then_some("query"));
     header.extend(shown.iter().map(|column| column.head));
     let all_rays = scene.distinct_rays();
-    let mut previous = "";
+    let mut name = row_names(indent);
     let rows = shown_rows.clone().into_iter().map(|row| {
-        let name = name_in_column(&row.structure, &row.settings, previous, indent);
-        previous = &row.structure;
-        let mut cells = vec![name.into()];
+        let mut cells = vec![name(&row.structure, &row.settings)];
         cells.extend(has_batches.then(|| row.query.name().to_owned().into()));
         cells.extend(shown.iter().map(|column| column.cell(&RowOf { scene, row, all_rays })));
         cells
@@ -62,13 +60,15 @@ pub fn scene_table<'r>(
     Table { title: scene_title(scene), header, rows, notes: scene_notes(run, scene) }
 }
 
-/// The name of a row; of one below another row of its structure, its settings where they may be
-/// indented.
-pub fn name_in_column(structure: &str, settings: &str, previous: &str, indent: bool) -> String {
-    if indent && structure == previous && !settings.is_empty() {
-        format!("  {settings}")
-    } else {
-        label(structure, settings)
+/// Names rows one after the other: one below another row of its structure by its settings, where
+/// they may be indented.
+pub fn row_names<'r>(indent: bool) -> impl FnMut(&'r str, &'r str) -> Cell {
+    let mut previous = "";
+    move |structure, settings| {
+        let is_below = indent && structure == previous && !settings.is_empty();
+        previous = structure;
+        let name = if is_below { format!("  {settings}") } else { label(structure, settings) };
+        name.into()
     }
 }
 
@@ -265,11 +265,9 @@ pub fn summary_table<'r>(
     let mut header = vec!["structure"];
     header.extend(has_batches.then_some("query"));
     header.extend(["scenes", "trace ratio [95%]", "build ratio [95%]", "verdict"]);
-    let mut previous = "";
+    let mut name = row_names(indent);
     let rows = shown_rows.clone().into_iter().map(|row| {
-        let name = name_in_column(&row.structure, &row.settings, previous, indent);
-        previous = &row.structure;
-        let mut cells: Vec<Cell> = vec![name.into()];
+        let mut cells = vec![name(&row.structure, &row.settings)];
         cells.extend(has_batches.then(|| Query::over_scenes(row.batch_scenes, row.scenes).into()));
         cells.push(row.scenes.to_string().into());
         cells.extend([row.ratio, row.build_ratio].map(|estimate| match estimate {

@@ -78,20 +78,15 @@ pub fn standings(costs: &[Option<Estimate>]) -> Vec<Option<ValueStanding>> {
 }
 
 fn marks(line: &Line, standing: Option<ValueStanding>, is_reference: bool) -> Vec<String> {
-    let mut marks = Vec::new();
-    match standing {
-        Some(ValueStanding::Best) => marks.push("best".to_owned()),
-        Some(ValueStanding::NotToldApart) => marks.push("~best".to_owned()),
-        Some(ValueStanding::Slower) | None => {}
-    }
-    if line.is_default {
-        marks.push("default".to_owned());
-    }
-    marks.extend(line.rules.iter().map(|rule| format!("rule: {rule}")));
-    if is_reference {
-        marks.push("reference".to_owned());
-    }
-    marks
+    let of_standing = match standing {
+        Some(ValueStanding::Best) => Some("best"),
+        Some(ValueStanding::NotToldApart) => Some("~best"),
+        Some(ValueStanding::Slower) | None => None,
+    };
+    let words = of_standing.into_iter().chain(line.is_default.then_some("default"));
+    let rules = line.rules.iter().map(|rule| format!("rule: {rule}"));
+    let reference = is_reference.then(|| "reference".to_owned());
+    words.map(str::to_owned).chain(rules).chain(reference).collect()
 }
 
 #[cfg(test)]

@@ -79,21 +79,30 @@ impl<'r> Sweep<'r> {
         let swept = SweptParameter::new(args, registry)?;
         let values = swept.values(args)?;
         let abscissa = swept.abscissa(&values);
-        let mut lines = Lines::default();
+        let mut lines = Vec::new();
         for value in values {
-            let line = lines.of(swept.row(&value)?);
+            let line = line_of(&mut lines, swept.row(&value)?);
             (line.value, line.is_swept) = (Some(value), true);
         }
-        let line = lines.of(Row::of(swept.entry, &swept.settings)?);
+        let line = line_of(&mut lines, Row::of(swept.entry, &swept.settings)?);
         line.value.get_or_insert_with(|| swept.parameter.default.to_owned());
         line.is_default = true;
         if values::rules_apply_to(swept.entry, swept.parameter) {
             for (rule, settings) in values::rule_settings(&swept.settings) {
-                lines.of(Row::of(swept.entry, &settings)?).rules.push(rule);
+                line_of(&mut lines, Row::of(swept.entry, &settings)?).rules.push(rule);
             }
         }
-        let baseline = lines.baseline(registry, args.measuring.reference.as_deref())?;
-        let Lines { rows, lines } = lines;
+        let named = args.measuring.reference.as_deref();
+        let default = default_baseline(registry).ok().filter(|_| named.is_none());
+        if let Some(row) = &default {
+            line_of(&mut lines, row.clone());
+        }
+        let (mut rows, mut lines): (Vec<_>, Vec<_>) = lines.into_iter().unzip();
+        let baseline = match rows.iter().position(|row| Some(row) == default.as_ref()) {
+            Some(index) => index,
+            None => baseline(registry, &mut rows, named)?,
+        };
+        lines.resize_with(rows.len(), Line::default);
         let scenes = scenes.resolve(&args.scenes)?;
         Ok(Self {
             plan: Plan::over(scenes, rows, baseline, &args.measuring, registry)?,
@@ -188,39 +197,11 @@ impl<'r, 't> SweptParameter<'r, 't> {
     }
 }
 
-/// Rows without duplicates, with what each stands for.
-#[derive(Default)]
-struct Lines<'r> {
-    rows: Vec<Row<'r>>,
-    lines: Vec<Line>,
-}
-
-impl<'r> Lines<'r> {
-    /// Index of the row, which is added when it is not there yet.
-    fn index(&mut self, row: Row<'r>) -> usize {
-        self.rows.iter().position(|r| *r == row).unwrap_or_else(|| {
-            self.rows.push(row);
-            self.rows.len() - 1
-        })
-    }
-
-    /// Parameter value of the row.
-    fn of(&mut self, row: Row<'r>) -> &mut Line {
-        let index = self.index(row);
-        if self.lines.len() <= index {
-            self.lines.resize_with(index + 1, Line::default);
-        }
-        &mut self.lines[index]
-    }
-
-    /// Index of the reference row: the one named, else [`default_baseline`], else the
-    /// first.
-    fn baseline(&mut self, registry: &'r [Entry], named: Option<&str>) -> Result<usize, PlanError> {
-        let index = match (named, default_baseline(registry)) {
-            (None, Ok(row)) => self.index(row),
-            _ => baseline(registry, &mut self.rows, named)?,
-        };
-        self.lines.resize_with(self.rows.len(), Line::default);
-        Ok(index)
-    }
+/// The line of a row, which is added when it is not there yet.
+fn line_of<'l, 'r>(lines: &'l mut Vec<(Row<'r>, Line)>, row: Row<'r>) -> &'l mut Line {
+    let index = lines.iter().position(|(known, _)| *known == row).unwrap_or_else(|| {
+        lines.push((row, Line::default()));
+        lines.len() - 1
+    });
+    &mut lines[index].1
 }

@@ -9,7 +9,7 @@ use presentation::csv::{self, written};
 use presentation::json::FormatError;
 use presentation::numbers;
 use presentation::svg_plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series, figure};
-use presentation::table::{Cell, Style, Table};
+use presentation::table::{Cell, Style, Table, dash};
 use presentation::text::Screen;
 
 use crate::run::columns::RATIO;
@@ -95,7 +95,7 @@ fn restyled(cell: &Cell, is_ratio: bool, judgement: &Judgement) -> Cell {
 }
 
 fn number(x: Option<f64>) -> Cell {
-    x.map_or(Cell { text: "-".into(), style: Style::Dim }, |x| numbers::short(x).into())
+    x.map_or_else(dash, |x| numbers::short(x).into())
 }
 
 pub fn best_notes(sweep: &Sweep<'_>, judgements: &[Judgement]) -> Vec<String> {

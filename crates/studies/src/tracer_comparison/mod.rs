@@ -8,7 +8,6 @@
 use std::collections::BTreeMap;
 
 use crate::accuracy::pareto::{FrontPoint, standings};
-use crate::accuracy::record::VariantStanding;
 use crate::images::{ConvergedImage, edge_rmse, edges, rmse};
 use accel_core::query::region::FrustumWork;
 use accel_core::query::tracer::Tracer;
@@ -89,41 +88,37 @@ pub fn compare(
     reference: &ConvergedImage,
     clock: &dyn Clock,
 ) -> Vec<ImageRecord> {
-    let mut rows = Vec::new();
-    let mut makers: Vec<Box<dyn Fn() -> Result<ImageWithCounts, Refusal> + '_>> = Vec::new();
-    let is_asked = |info: &TracerInfo| question.tracers.contains(&info.name);
     let ComparisonInput { scene, frame, .. } = *question;
-    if is_asked(&whitted::INFO) {
-        for &samples in question.samples {
-            let plan = sampled_plan(scene, frame, samples);
-            rows.push((whitted::INFO.name, "", Some(samples)));
-            makers.push(Box::new(move || {
-                let rendered = render_plan(scene, question.sampler, &plan);
-                Ok((rendered.image, BTreeMap::from([("rays", rendered.counts.total())])))
-            }));
-        }
+    let is_asked = |info: &TracerInfo| question.tracers.contains(&info.name);
+    let mut drawings = Vec::new();
+    let mut add = |info: &TracerInfo, settings: &str, samples, draw| {
+        let row = RowName { tracer: info.name.into(), settings: settings.into(), samples };
+        drawings.push(Drawing { row, draw, made: None, seconds: Vec::new() });
+    };
+    for &samples in question.samples.iter().filter(|_| is_asked(&whitted::INFO)) {
+        let plan = sampled_plan(scene, frame, samples);
+        let draw = move || {
+            let rendered = render_plan(scene, question.sampler, &plan);
+            Ok((rendered.image, BTreeMap::from([("rays", rendered.counts.total())])))
+        };
+        add(&whitted::INFO, "", Some(samples), Box::new(draw) as Draw<'_>);
     }
     let size = Frame { resolution: frame.resolution, max_depth: frame.max_depth };
     for way in drawing_methods(is_asked) {
-        rows.push((way.info.name, way.settings, None));
-        makers
-            .push(Box::new(move || (way.draw)(scene, size, question.structures).map(with_counts)));
+        let draw = move || (way.draw)(scene, size, question.structures).map(with_counts);
+        add(way.info, way.settings, None, Box::new(draw));
     }
-    let mut made: Vec<Option<Result<ImageWithCounts, Refusal>>> =
-        rows.iter().map(|_| None).collect();
-    let mut seconds = vec![Vec::new(); rows.len()];
     let is_left = |round| round < question.rounds as usize;
-    interleaved(0, rows.len(), frame.seed, &scene.name, is_left, |Visit { row, .. }| {
-        if matches!(made[row], Some(Err(_))) {
-            return;
+    interleaved(0, drawings.len(), frame.seed, &scene.name, is_left, |Visit { row, .. }| {
+        let Drawing { draw, made, seconds, .. } = &mut drawings[row];
+        if !matches!(made, Some(Err(_))) {
+            let (image, own) = timed(clock, draw);
+            seconds.push(own);
+            made.get_or_insert(image);
         }
-        let (image, own) = timed(clock, &makers[row]);
-        seconds[row].push(own);
-        made[row].get_or_insert(image);
     });
     let edges = edges(&reference.image);
-    let finished = rows.into_iter().zip(made).zip(seconds).filter_map(|((row, made), seconds)| {
-        let (tracer, settings, samples) = row;
+    let finished = drawings.into_iter().filter_map(|Drawing { row, made, seconds, .. }| {
         let outcome = match made? {
             Err(refusal) => Outcome::Refused { refused: refusal.to_string(), what: refusal.what },
             Ok((image, counts)) => {
@@ -133,15 +128,12 @@ pub fn compare(
                     error,
                     edge_error: edge_rmse(&image, &reference.image, &edges),
                     is_below_reference: reference.hides(error),
-                    standing: VariantStanding::Dominated,
                     counts: counts.into_iter().map(|(kind, n)| (kind.to_owned(), n)).collect(),
-                    ratio: None,
                     image: Some(image),
-                    by_samples: None,
+                    ..ImageMeasurement::default()
                 })
             }
         };
-        let row = RowName { tracer: tracer.into(), settings: settings.into(), samples };
         Some(ImageRecord { row, outcome })
     });
     let mut rows: Vec<ImageRecord> = finished.collect();
@@ -151,6 +143,17 @@ pub fn compare(
 
 /// An image and what was counted.
 type ImageWithCounts = (Image, BTreeMap<&'static str, u64>);
+
+type Draw<'a> = Box<dyn Fn() -> Result<ImageWithCounts, Refusal> + 'a>;
+
+/// An image that is drawn in every round, unless its tracer refuses the scene.
+struct Drawing<'a> {
+    row: RowName,
+    draw: Draw<'a>,
+    /// Of the first round.
+    made: Option<Result<ImageWithCounts, Refusal>>,
+    seconds: Vec<f64>,
+}
 
 fn with_counts(drawn: DrawnImage) -> ImageWithCounts {
     let FrustumWork { queries, found, tests, .. } = drawn.work;
@@ -246,19 +249,11 @@ pub fn sampled_plan(scene: &Scene, frame: RenderSettings, samples: u32) -> Effec
 mod tests {
     use super::record::AtError;
     use super::*;
+    use crate::accuracy::record::VariantStanding;
 
     fn row(samples: Option<u32>, seconds: f64, error: f64) -> ImageRecord {
-        let measured = ImageMeasurement {
-            seconds: vec![seconds; 3],
-            error,
-            edge_error: None,
-            is_below_reference: false,
-            standing: VariantStanding::Dominated,
-            counts: BTreeMap::new(),
-            ratio: None,
-            image: None,
-            by_samples: None,
-        };
+        let measured =
+            ImageMeasurement { seconds: vec![seconds; 3], error, ..ImageMeasurement::default() };
         let row = RowName { tracer: "whitted".into(), settings: String::new(), samples };
         ImageRecord { row, outcome: Outcome::Made(measured) }
     }

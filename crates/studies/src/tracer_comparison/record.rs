@@ -107,7 +107,7 @@ pub enum Outcome {
     Made(ImageMeasurement),
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ImageMeasurement {
     pub seconds: Vec<f64>,
     #[serde(rename = "rmse")]

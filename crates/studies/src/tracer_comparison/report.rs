@@ -10,7 +10,6 @@ use presentation::numbers::{milliseconds, ratio, short};
 use presentation::svg_plot::{Axis, Level, Mark, Plot, Point, Scale, Series, figure};
 use presentation::table::{Cell, Style, Table};
 use renderer::Image;
-use statistics::estimate::estimate;
 
 use crate::accuracy::record::VariantStanding;
 use crate::tracer_comparison::record::{
@@ -60,10 +59,8 @@ impl Report {
     }
 
     fn image_rows(&self) -> impl Iterator<Item = ImageRow<'_>> {
-        let (scene, seed, reference_error) =
-            (&*self.record.scene, self.record.seed, self.record.reference.own_error);
-        let images = self.record.images.iter();
-        images.map(move |image| ImageRow { scene, seed, reference_error, image })
+        let record = &self.record;
+        record.images.iter().map(move |image| ImageRow { record, image })
     }
 
     /// Conclusions of the table on cones and beams.
@@ -199,10 +196,7 @@ pub fn error_over_time(record: &TracersRecord) -> Plot {
 
 #[derive(Clone, Copy)]
 pub struct ImageRow<'a> {
-    pub scene: &'a str,
-    pub seed: u64,
-    /// The reference's own error.
-    pub reference_error: f64,
+    pub record: &'a TracersRecord,
     pub image: &'a ImageRecord,
 }
 
@@ -225,20 +219,20 @@ pub fn columns<'a>() -> [Column<ImageRow<'a>>; 14] {
     use Value::{Count, Real, Text};
     let c = Column::new;
     [
-        c(&["scene"], "", None, |of: &ImageRow<'a>| Text(of.scene.to_owned())),
+        c(&["scene"], "", None, |of: &ImageRow<'a>| Text(of.record.scene.clone())),
         c(&["tracer"], "tracer", None, |of| Text(of.image.row.tracer.clone()))
             .or(|of| Some(of.image.row.short_label().into())),
         c(&["settings"], "", None, |of| Text(of.image.row.settings.clone())),
         c(&["samples"], "", None, |of| Value::of(of.image.row.samples.map(u64::from), Count)),
         c(&["image_s", "image_s_low", "image_s_high"], "image ms", Seconds, |of| {
-            of.value(|m| Value::of(estimate(&m.seconds, of.seed), Value::Measured))
+            of.value(|m| Value::of(of.record.time(&m.seconds), Value::Measured))
         }).or(|of| of.text_cell(|m| milliseconds(m.median()))),
         c(&["ratio_to_cheapest", "ratio_low", "ratio_high"], "to cheapest [95%]", Ratio, |of| {
             of.value(|m| Value::of(m.ratio, Value::Measured))
         }),
         c(&["rmse"], "RMSE", None, |of| of.value(|m| Real(m.error))).or(|of| of.text_cell(rmse)),
         c(&["edge_rmse"], "edge RMSE", None, |of| of.value(|m| Value::of(m.edge_error, Real))),
-        c(&["reference_error"], "", None, |of| of.value(|_| Real(of.reference_error))),
+        c(&["reference_error"], "", None, |of| of.value(|_| Real(of.record.reference.own_error))),
         c(&["below_reference"], "", None, |of| of.value(|m| Text(m.is_below_reference.to_string()))),
         c(&["on_front"], "front", None, |of| of.value(|m| Text(is_on_front(m).to_string())))
             .or(|of| of.text_cell(|m| front(m.standing).to_owned())),

@@ -33,38 +33,32 @@ const TESTS: [(&str, BoxTest); 3] =
 const SHARE: usize = 40;
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
-    let labels = TESTS.map(|(name, _)| format!("bounding-volumes:group=4:box-test={name}"));
-    let built = stage.built_all(&labels)?;
+    let settings =
+        TESTS.map(|(name, _)| (name, format!("bounding-volumes:group=4:box-test={name}")));
     let most = (stage.limits.timed_rays / SHARE).max(50);
     let batches = stage.batches(most, |kind| kind != RayKind::Shadow);
-    let rays = count(&batches);
     let aims = aims(stage, stage.prepared.geometry.prims().primitives());
-    let variants = built.iter().zip(TESTS).map(|(built, (name, test))| {
-        let replay = Replay::by_kind(&*built.tracer, &batches);
+    let said = SceneOutcome::new(
+        "of the scene through a list of boxes of 4 primitives",
+        format!("{} rays at corners, edges and faces of boxes", aims.len()),
+    );
+    timed_settings(stage, &settings, "f64", &batches, said, |i, built, _| {
         let steps = counted(&*built.tracer, &batches).elementary_steps;
         let (mut lost, mut found) = (TrialCounts::default(), 0_u64);
         for SurfaceRay { bounds, ray, is_met } in &aims {
-            let says = test.entry(bounds, ray, 0.0, f32::INFINITY).is_some();
+            let says = TESTS[i].1.entry(bounds, ray, 0.0, f32::INFINITY).is_some();
             if *is_met {
                 lost.add(!says);
             } else {
                 found += u64::from(says);
             }
         }
-        Variant {
-            is_reference: name == "f64",
-            also: vec![
-                ("boxes found that are not met", found as f64),
-                ("boxes met per ray", steps as f64 / rays.max(1) as f64),
-            ],
-            ..Variant::built(name, built, lost.error(), replay)
-        }
-    });
-    let said = SceneOutcome::new(
-        format!("{rays} rays of the scene through a list of boxes of 4 primitives"),
-        format!("{} rays at corners, edges and faces of boxes", aims.len()),
-    );
-    Ok(timed(stage, said, variants))
+        let figures = vec![
+            ("boxes found that are not met", found as f64),
+            ("boxes met per ray", steps as f64 / count(&batches).max(1) as f64),
+        ];
+        Ok((lost.error(), figures))
+    })
 }
 
 /// A box and a ray at a point of its surface.

@@ -33,31 +33,19 @@ pub static AXIS: Axis = Axis {
 const INSERTIONS: [&str; 4] = ["box", "padded-box", "exact", "padded-exact"];
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
-    let labels = INSERTIONS.map(|i| format!("uniform-grid:density=8:insertion={i}"));
-    let built = stage.built_all(&labels)?;
-    let batches = stage.all_batches();
-    let rays = count(&batches);
-    let replays = replays(&built, &batches);
-    let primitives = stage.prepared.geometry.len().max(1) as f64;
-    let mut variants = Vec::new();
-    for (((built, replay), insertion), label) in
-        built.iter().zip(replays).zip(INSERTIONS).zip(&labels)
-    {
-        let tally = judged(stage, stage.prepared.geometry.prims().primitives(), label)?;
-        let stats = built.stats();
-        let mut also = vec![("references a primitive", stats.references as f64 / primitives)];
-        also.extend(build_columns(stats.bytes, built.build_s));
-        variants.push(Variant {
-            is_reference: insertion == "padded-box",
-            also,
-            ..Variant::built(insertion, built, tally.error(), replay)
-        });
-    }
+    let settings = INSERTIONS.map(|i| (i, format!("uniform-grid:density=8:insertion={i}")));
+    let geometry = &stage.prepared.geometry;
     let said = SceneOutcome::new(
-        format!("{rays} rays of the scene through a grid of 8 cells per primitive"),
+        "of the scene through a grid of 8 cells per primitive",
         format!("{} points that lie on primitives", stage.trials()),
     );
-    Ok(timed(stage, said, variants))
+    timed_settings(stage, &settings, "padded-box", &stage.all_batches(), said, |i, built, _| {
+        let tally = judged(stage, geometry.prims().primitives(), &settings[i].1)?;
+        let references = built.tracer.stats().references as f64 / geometry.len().max(1) as f64;
+        let mut figures = vec![("references a primitive", references)];
+        figures.extend(built.columns());
+        Ok((tally.error(), figures))
+    })
 }
 
 /// Points whose cells do not list their primitives.

@@ -31,30 +31,20 @@ const MAILBOXES: [(&str, &str); 6] = [
 ];
 
 fn mailboxes(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
-    let built = stage.built_all(&MAILBOXES.map(|(_, label)| label))?;
+    let settings = MAILBOXES.map(|(name, label)| (name, label.to_owned()));
     let batches = stage.all_batches();
-    let rays = count(&batches);
-    let replays = replays(&built, &batches);
-    let error = |r: &Replay<'_, f32>| {
-        let wrong = replays.first().map_or(0, |reference| r.differing(reference));
-        ErrorOf::Counted { wrong, trials: rays as u64 }
-    };
-    let errors: Vec<ErrorOf> = replays.iter().map(error).collect();
-    let variants = built.iter().zip(replays).zip(errors).zip(MAILBOXES);
-    let variants = variants.map(|(((built, replay), error), (name, _))| {
+    let through = "of the scene through a uniform grid of 8 cells per primitive";
+    let said = SceneOutcome::new(through, "the same rays");
+    timed_settings(stage, &settings, "none", &batches, said, |i, built, replays| {
+        let (rays, wrong) = (count(&batches), replays[i].differing(&replays[0]));
         let work = counted(&*built.tracer, &batches);
         let per_ray = |n: u64| n as f64 / rays.max(1) as f64;
-        Variant {
-            is_reference: name == "none",
-            also: vec![
-                ("tests per ray", per_ray(work.intersection_tests)),
-                ("tests saved per ray", per_ray(work.tests_saved)),
-            ],
-            ..Variant::built(name, built, error, replay)
-        }
-    });
-    let work = format!("{rays} rays of the scene through a uniform grid of 8 cells per primitive");
-    Ok(timed(stage, SceneOutcome::new(work, "the same rays"), variants))
+        let figures = vec![
+            ("tests per ray", per_ray(work.intersection_tests)),
+            ("tests saved per ray", per_ray(work.tests_saved)),
+        ];
+        Ok((ErrorOf::Counted { wrong, trials: rays as u64 }, figures))
+    })
 }
 
 pub static LIGHT_BUFFER: Axis = Axis {
@@ -98,17 +88,12 @@ fn light_buffers(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         });
         let wrong = work.differing(&reference);
         let setting = format!("run -s {}", row.label().replace(' ', ":"));
-        variants.push(Variant {
-            known_defect: row.known_defect(),
-            also: build_columns(bytes, build_s).into(),
-            ..Variant::new(format!("{resolution}^2"), setting, error(wrong), work)
-        });
+        let variant = Variant::new(format!("{resolution}^2"), setting, error(wrong), work);
+        let variant = variant.with_defect(row.known_defect());
+        variants.push(variant.also(build_columns(bytes, build_s)));
     }
-    variants.push(Variant {
-        is_reference: true,
-        also: build_columns(structure.stats().bytes, structure.build_s).into(),
-        ..Variant::new(TRACER, structure.setting(), error(0), reference)
-    });
+    let variant = Variant::new(TRACER, structure.setting(), error(0), reference);
+    variants.push(variant.as_reference(true).also(structure.columns()));
     let work = format!("{rays} shadow rays of the scene to {} lights", positions.len());
     Ok(timed(stage, SceneOutcome::new(work, "the same rays"), variants))
 }
@@ -135,26 +120,18 @@ fn precisions(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let wide_batches = widened(&batches);
     let geometry = Geometry::<f64>::of(stage.scene())?;
     let double = stage.over(TRACER, &geometry)?;
-    let reference = Replay::by_kind(&*double, &wide_batches);
+    let reference = Replay::by_kind(&*double.tracer, &wide_batches);
+    let memory = |bytes: usize| [("MiB of primitives", mebibytes(bytes as u64))];
     let mut variants = Vec::new();
     for (name, built) in [("f32", &single), ("f32, tests in f64", &mixed)] {
         let replay = Replay::by_kind(&*built.tracer, &batches);
         let error = compared(&replay.answers, &reference.answers).error();
-        variants.push(Variant {
-            also: vec![("MiB of primitives", mebibytes(stage.prepared.geometry.bytes() as u64))],
-            ..Variant::built(name, built, error, replay)
-        });
+        let variant = Variant::built(name, built, error, replay);
+        variants.push(variant.also(memory(stage.prepared.geometry.bytes())));
     }
-    variants.push(Variant {
-        is_reference: true,
-        also: vec![("MiB of primitives", mebibytes(geometry.bytes() as u64))],
-        ..Variant::new(
-            "f64",
-            format!("run -s {TRACER} --precision f64"),
-            compared(&reference.answers, &reference.answers).error(),
-            reference,
-        )
-    });
+    let none = compared(&reference.answers, &reference.answers).error();
+    let variant = Variant::new("f64", double.setting() + " --precision f64", none, reference);
+    variants.push(variant.as_reference(true).also(memory(geometry.bytes())));
     let work = format!("{rays} rays of the scene through {TRACER}");
     Ok(timed(stage, SceneOutcome::new(work, "the same rays"), variants))
 }

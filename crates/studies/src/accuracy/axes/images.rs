@@ -7,10 +7,10 @@ use glam::DVec3;
 use measurement::plan::rows::Row;
 use renderer::tracers::{Frame, Structures};
 use renderer::{EffectPlan, Gating, Geometry, RenderSettings, render_plan};
-use scene_loading::{Light, SampleWishes, Scene};
+use scene_loading::{Light, Scene};
 
 use crate::accuracy::axis::*;
-use crate::accuracy::sampled::{ImageCheck, RepeatedImage, SampledEffect, SamplingPlan};
+use crate::accuracy::sampled::{ImageCheck, RepeatedImage, Sampling, SamplingPlan};
 use crate::images::rmse;
 use crate::tracer_comparison::drawing_methods;
 
@@ -60,9 +60,7 @@ const fn sampled(
 struct EffectSetup {
     on: fn(&mut Scene),
     off: fn(&mut Scene),
-    wish: fn(&mut SampleWishes, u32),
-    option: &'static str,
-    max_depth: u32,
+    sampling: Sampling,
 }
 
 const SOFT: EffectSetup = EffectSetup {
@@ -78,9 +76,7 @@ const SOFT: EffectSetup = EffectSetup {
             *light = Light::Point { position: light.position(), color: light.color() };
         }
     },
-    wish: |samples, n| samples.shadow = Some(n),
-    option: "shadow",
-    max_depth: 1,
+    sampling: Sampling::new("shadow", 1, |samples, n| samples.shadow = Some(n)),
 };
 
 const ROUGH: EffectSetup = EffectSetup {
@@ -96,9 +92,7 @@ const ROUGH: EffectSetup = EffectSetup {
         }
     },
     off: |scene| scene.materials.iter_mut().for_each(|material| material.roughness = 0.0),
-    wish: |samples, n| samples.glossy = Some(n),
-    option: "glossy",
-    max_depth: 2,
+    sampling: Sampling::new("glossy", 2, |samples, n| samples.glossy = Some(n)),
 };
 
 const MOVING: EffectSetup = EffectSetup {
@@ -112,17 +106,13 @@ const MOVING: EffectSetup = EffectSetup {
         scene.velocities.clear();
         scene.camera.shutter = 0.0;
     },
-    wish: |samples, n| samples.temporal = Some(n),
-    option: "temporal",
-    max_depth: 1,
+    sampling: Sampling::new("temporal", 1, |samples, n| samples.temporal = Some(n)),
 };
 
 const BLURRED: EffectSetup = EffectSetup {
     on: |scene| scene.camera.aperture = 0.01 * diagonal(scene),
     off: |scene| scene.camera.aperture = 0.0,
-    wish: |samples, n| samples.focal = Some(n),
-    option: "focal",
-    max_depth: 1,
+    sampling: Sampling::new("focal", 1, |samples, n| samples.focal = Some(n)),
 };
 
 impl EffectSetup {
@@ -133,21 +123,15 @@ impl EffectSetup {
             return Err(stage.unfit("it has no lights"));
         }
         let geometry = Geometry::<f32>::of(&scene)?;
-        let tracer = stage.over(TRACER, &geometry)?;
+        let tracer = stage.over(TRACER, &geometry)?.tracer;
         // as it would be without the effect: gloss without its roughness, not without its mirrors
         let mut without = scene.clone();
         (self.off)(&mut without);
         let still = Geometry::<f32>::of(&without)?;
-        let of_still = stage.over(TRACER, &still)?;
-        let sampled = SampledEffect {
-            scene: &scene,
-            tracer: &*tracer,
-            max_depth: self.max_depth,
-            wish: self.wish,
-            option: self.option,
-            without: Some((&without, &*of_still)),
-        };
-        let ImageCheck { variants, said, .. } = sampled.judged(stage)?;
+        let of_still = stage.over(TRACER, &still)?.tracer;
+        let without = Some((&without, &*of_still));
+        let ImageCheck { variants, said, .. } =
+            self.sampling.judged(stage, (&scene, &*tracer), without)?;
         Ok(timed(stage, said, variants))
     }
 }
@@ -188,8 +172,7 @@ fn gatings(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let error = ErrorOf::Rmse { rmse: rmse(&image(&plan), &reference) };
         let setting = format!("EffectPlan::gated(Gating::{gating:?})");
         let work = RepeatedImage::rendered(stage.scene(), &*built.tracer, plan);
-        let is_reference = gating == Gating::AsCalledFor;
-        Variant { is_reference, ..Variant::new(name, setting, error, work) }
+        Variant::new(name, setting, error, work).as_reference(gating == Gating::AsCalledFor)
     });
     let timed_image = format!("the image of {size} x {size} pixels, one thread");
     let said =
@@ -211,21 +194,16 @@ pub static CONE_AND_BEAM: Axis = Axis {
 
 fn cones_and_beams(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let scene = stage.scene();
-    let tracer = stage.over(TRACER, &stage.prepared.geometry)?;
+    let tracer = stage.built(TRACER)?.tracer;
     let double = Geometry::<f64>::of(scene)?;
-    let rays = stage.over(TRACER, &double)?;
+    let rays = stage.over(TRACER, &double)?.tracer;
     let frusta = Row::parse(accel_core::structures::frustum_queries::REGISTRY, THROUGH)?;
     let queries = frusta.entry.build(double.prims(), &frusta.params);
     let queries = queries.map_err(|e| stage.refused(e))?;
-    let sampled = SampledEffect {
-        scene,
-        tracer: &*tracer,
-        max_depth: DEPTH,
-        wish: |samples, n| samples.supersamples = Some(n),
-        option: "supersamples",
-        without: None,
-    };
-    let ImageCheck { mut variants, mut said, reference } = sampled.judged(stage)?;
+    let sampling =
+        Sampling::new("supersamples", DEPTH, |samples, n| samples.supersamples = Some(n));
+    let ImageCheck { mut variants, mut said, reference } =
+        sampling.judged(stage, (scene, &*tracer), None)?;
     let frame =
         Frame { resolution: [SamplingPlan::new(stage.limits.quick).size; 2], max_depth: DEPTH };
     for way in drawing_methods(|_| true) {

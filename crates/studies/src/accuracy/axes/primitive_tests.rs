@@ -17,7 +17,7 @@ use statistics::estimate::median;
 
 use super::triangle_aims::{AimedRay, SharedFeatures, triangles};
 use crate::accuracy::axis::*;
-use crate::accuracy::stage::{PreparedScene, StagedStructure};
+use crate::accuracy::stage::PreparedScene;
 use crate::verify::draw::{direction, unit};
 
 pub static TRIANGLES: Axis = Axis {
@@ -41,29 +41,18 @@ fn serves(prepared: &PreparedScene, subject: &str) -> bool {
 }
 
 fn test_triangles(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError> {
-    let prims = stage.prepared.geometry.prims();
-    let labels = TRIANGLE_TESTS.map(|(name, _)| format!("{subject}:triangle-test={name}"));
-    let built = stage.built_all(&labels)?;
-    let batches = stage.all_batches();
-    let rays = count(&batches);
-    let aims = aims(stage, prims);
+    let aims = aims(stage, stage.prepared.geometry.prims());
     if aims.is_empty() {
         return Err(stage.unfit("no edge or corner of it is surrounded by triangles"));
     }
-    let hit = |triangle: TriangleChoice| {
-        let choice = Choice { triangle, sphere: SphereChoice::Rearranged };
-        visit_tested(prims, choice, NearestOf { aims: &aims }).unwrap_or_default()
-    };
-    let exact = hit(TriangleChoice::Double);
-    let variants = built.iter().zip(TRIANGLE_TESTS).map(|(built, (name, test))| {
-        let answers = hit(test).into_iter().zip(&exact).map(|(t, exact)| (t, *exact, t.is_none()));
-        variant(name, built, &batches, answers)
-    });
+    let sphere = SphereChoice::Rearranged;
+    let tests = TRIANGLE_TESTS.map(|(name, triangle)| (name, Choice { triangle, sphere }));
     let said = SceneOutcome::new(
-        format!("{rays} rays of the scene through {subject}"),
+        format!("of the scene through {subject}"),
         format!("{} rays at corners and edges within the mesh", aims.len()),
     );
-    Ok(timed(stage, said, variants))
+    let is_met = vec![true; aims.len()];
+    compared(stage, &format!("{subject}:triangle-test"), &tests, (&aims, &is_met), said)
 }
 
 /// Rays at the corners and edges of the scene's meshes.
@@ -120,20 +109,15 @@ fn test_spheres_of(stage: &Stage<'_>, what: &str) -> Result<SceneOutcome, StudyE
     let PrimsRef::Mixed(set) = stage.prepared.geometry.prims() else {
         return Err(stage.unfit("it has no spheres"));
     };
-    let labels = SPHERE_TESTS.map(|(name, _)| format!("{TRACER}:sphere-test={name}"));
-    let built = stage.built_all(&labels)?;
-    let batches = stage.all_batches();
-    let rays = count(&batches);
     let spheres: Vec<u32> =
         (0..set.len() as u32).filter(|&id| set.kind(id) == PrimitiveKind::Sphere).collect();
     let mut random = stage.random("spheres");
-    let mut aims = Vec::with_capacity(stage.limits.aims);
     let mut balls = Vec::new();
-    while aims.len() < stage.limits.aims {
+    let drawn = (0..stage.limits.aims).filter_map(|_| {
         let id = spheres[random.below(spheres.len())];
         balls.clear();
         set.hull(id, &mut balls);
-        let Some(ball) = balls.first() else { break };
+        let ball = balls.first()?;
         let along = direction(&mut random);
         let away = 10.0_f64.powf(1.0 + 3.0 * unit(&mut random)) * ball.radius;
         let beside = if random.below(2) == 0 { 0.95 } else { 1.05 } * ball.radius;
@@ -141,29 +125,18 @@ fn test_spheres_of(stage: &Stage<'_>, what: &str) -> Result<SceneOutcome, StudyE
         let from = ball.center + aside * beside - along * away;
         let ray = Ray::<f32>::new(from.as_vec3(), along.as_vec3());
         let passing = passes_at(&ray, ball.center) / ball.radius;
-        if !ball.radius.is_normal() || (passing - 1.0).abs() < 0.02 {
-            // single precision cannot hold such a ray: the coordinates are too large
-            aims.push(None);
-            continue;
-        }
-        aims.push(Some((AimedRay { ray, primitives: vec![id] }, passing < 1.0)));
-    }
-    let (aims, is_met): (Vec<_>, Vec<bool>) = aims.into_iter().flatten().unzip();
-    let hit = |sphere: SphereChoice| {
-        let choice = Choice { triangle: TriangleChoice::Watertight, sphere };
-        visit_tested(PrimsRef::Mixed(set), choice, NearestOf { aims: &aims }).unwrap_or_default()
-    };
-    let exact = hit(SphereChoice::Double);
-    let variants = built.iter().zip(SPHERE_TESTS).map(|(built, (name, test))| {
-        let answers = hit(test).into_iter().zip(&exact).zip(&is_met);
-        let answers = answers.map(|((t, exact), is_met)| (t, *exact, t.is_some() != *is_met));
-        variant(name, built, &batches, answers)
+        // otherwise single precision cannot hold such a ray: the coordinates are too large
+        let is_held = ball.radius.is_normal() && (passing - 1.0).abs() >= 0.02;
+        is_held.then(|| (AimedRay { ray, primitives: vec![id] }, passing < 1.0))
     });
+    let (aims, is_met): (Vec<_>, Vec<bool>) = drawn.unzip();
+    let triangle = TriangleChoice::Watertight;
+    let tests = SPHERE_TESTS.map(|(name, sphere)| (name, Choice { triangle, sphere }));
     let said = SceneOutcome::new(
-        format!("{rays} rays of {what} through {TRACER}"),
+        format!("of {what} through {TRACER}"),
         format!("{} rays beside and through spheres of {what}", aims.len()),
     );
-    Ok(timed(stage, said, variants))
+    compared(stage, &format!("{TRACER}:sphere-test"), &tests, (&aims, &is_met), said)
 }
 
 /// How near the line of a ray comes to a point.
@@ -193,25 +166,32 @@ impl TestedSetVisitor<'_> for NearestOf<'_> {
     }
 }
 
-/// A test of primitives as a variant: `answers` are, for each aim, its parameter, that of
-/// `REFERENCE`, and whether it is wrong to meet or to miss there.
-fn variant<'a>(
-    name: &str,
-    built: &'a StagedStructure<'_>,
-    batches: &'a Batches<f32>,
-    answers: impl Iterator<Item = (Option<f32>, Option<f32>, bool)>,
-) -> Variant<'a> {
-    let (mut tally, mut ulps) = (TrialCounts::default(), Vec::new());
-    for (t, exact, is_wrong) in answers {
-        tally.add(is_wrong);
-        if let (Some(t), Some(exact)) = (t, exact) {
-            let ulp = f64::from(exact.next_up()) - f64::from(exact);
-            ulps.push((f64::from(t) - f64::from(exact)).abs() / ulp);
+/// Times the values of a structure's setting, which choose tests, and judges each by the aimed rays,
+/// of which some must meet what they are asked of and the others must not.
+fn compared(
+    stage: &Stage<'_>,
+    setting: &str,
+    tests: &[(&'static str, Choice)],
+    (aims, is_met): (&[AimedRay], &[bool]),
+    said: SceneOutcome,
+) -> Result<SceneOutcome, StudyError> {
+    let named = |(name, _): &(&'static str, Choice)| (*name, format!("{setting}={name}"));
+    let settings: Vec<(&str, String)> = tests.iter().map(named).collect();
+    let hits = |choice| {
+        let prims = stage.prepared.geometry.prims();
+        visit_tested(prims, choice, NearestOf { aims }).unwrap_or_default()
+    };
+    let exact = tests.iter().find(|(name, _)| *name == REFERENCE);
+    let exact = exact.map(|(_, choice)| hits(*choice)).unwrap_or_default();
+    timed_settings(stage, &settings, REFERENCE, &stage.all_batches(), said, |i, _, _| {
+        let (mut tally, mut ulps) = (TrialCounts::default(), Vec::new());
+        for ((t, exact), is_met) in hits(tests[i].1).into_iter().zip(&exact).zip(is_met) {
+            tally.add(t.is_some() != *is_met);
+            if let (Some(t), Some(exact)) = (t, exact) {
+                let ulp = f64::from(exact.next_up()) - f64::from(*exact);
+                ulps.push((f64::from(t) - f64::from(*exact)).abs() / ulp);
+            }
         }
-    }
-    Variant {
-        is_reference: name == REFERENCE,
-        also: vec![("t off by ulps, median", median(&ulps).unwrap_or(0.0))],
-        ..Variant::built(name, built, tally.error(), Replay::by_kind(&*built.tracer, batches))
-    }
+        Ok((tally.error(), vec![("t off by ulps, median", median(&ulps).unwrap_or(0.0))]))
+    })
 }

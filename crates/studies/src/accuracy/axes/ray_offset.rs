@@ -49,15 +49,14 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let [far, _] = judged(&there, &there.work(rule, there.outward()));
         let wrong = self_hits.wrong() + leaks.wrong();
         let error = ErrorOf::Counted { wrong, trials: here.departures.len() as u64 };
-        let mut also = vec![
+        let looseness = smallest.columns(&here, &work);
+        let variant = work.variant(name, error, stage.limits.timed_rays).also([
             ("self-hits in 10^6", self_hits.error().value()),
             ("leaks in 10^6", leaks.error().value()),
             ("self-hits in 10^6 100 diagonals away", far.error().value()),
-        ];
-        also.extend(smallest.columns(&here, &work));
-        also.extend(glass.columns(&here, rule));
-        also.extend(lit.columns(&here, rule));
-        variants.push(Variant { error, also, ..work.variant(name, stage.limits.timed_rays) });
+        ]);
+        let variant = variant.also(looseness).also(glass.columns(&here, rule));
+        variants.push(variant.also(lit.columns(&here, rule)));
     }
     let rays = here.departures.len();
     let said = SceneOutcome::new(

@@ -34,7 +34,7 @@ impl<'a> GlassEntries<'a> {
         secondary: &SecondaryRays<'a>,
         geometry: &'a Geometry<f64>,
     ) -> Result<Self, StudyError> {
-        let double = stage.over(TRACER, geometry)?;
+        let double = stage.over(TRACER, geometry)?.tracer;
         let entering = |d: &Departure| {
             let point = secondary.point(d);
             Some((point, refracted(&point, d.incoming)?))

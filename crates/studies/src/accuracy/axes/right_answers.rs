@@ -8,7 +8,6 @@
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
-use measurement::plan::rows::Row;
 use measurement::rays::batches::{Answers, trace};
 use renderer::ray_offset::{OffsetRule, RayOffset};
 use renderer::surface::SurfacePoint;
@@ -18,6 +17,7 @@ use super::secondary_rays::{Departure, GAP, SecondaryRays, height};
 use super::triangle_aims::{KnownHit, judged, known_hits};
 use crate::accuracy::axis::*;
 use crate::accuracy::cost_tables::OFFSET_RAYS;
+use crate::accuracy::stage::StagedStructure;
 
 pub static AXIS: Axis = Axis {
     name: "right-answers",
@@ -104,31 +104,15 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
     let is_timed = |kind| matches!(kind, RayKind::Primary | RayKind::Diffuse | RayKind::Shadow);
     let batches = stage.batches(stage.limits.timed_rays, is_timed);
     let timed_most = stage.limits.timed_rays / KINDS;
-    let judge = Judge { aims: &aims, secondary: &secondary, judged: most, timed: timed_most };
+    let judge =
+        Judge { subject, aims: &aims, secondary: &secondary, judged: most, timed: timed_most };
     let mut variants = Vec::new();
     for step in steps(subject) {
         let label = format!("{subject}{}", step.settings);
-        let offset = RayOffset::new(step.offset, secondary.magnitude);
-        let known_defect = Row::parse(stage.registry, &label)?.known_defect();
-        let (found, work) = if step.is_double {
-            judge.step(stage.over(&label, &double)?, widened(&batches), offset)
+        variants.push(if step.is_double {
+            judge.variant(step, stage.over(&label, &double)?, widened(&batches))
         } else {
-            let tracer = stage.over(&label, &stage.prepared.geometry)?;
-            judge.step(tracer, batches.clone(), offset)
-        };
-        let precision = if step.is_double { " --precision f64" } else { "" };
-        let rule = if step.offset == PLAIN { " --set rays.offset=scene-relative" } else { "" };
-        let mut all_kinds = TrialCounts::default();
-        found.iter().for_each(|counts| all_kinds.add_counts(*counts));
-        variants.push(Variant {
-            name: step.adds.into(),
-            setting: format!("run -s {label}{precision}{rule}"),
-            known_defect,
-            is_without: false,
-            is_reference: step.is_double,
-            error: all_kinds.error(),
-            also: WRONG.into_iter().zip(found.map(|counts| counts.error().value())).collect(),
-            work,
+            judge.variant(step, stage.built(&label)?, batches.clone())
         });
     }
     let (all, left) = (count(&batches), secondary.departures.len());
@@ -151,6 +135,7 @@ const WRONG: [&str; KINDS] = [
 ];
 
 struct Judge<'j, 'a> {
+    subject: &'j str,
     aims: &'j [Vec<KnownHit>; 2],
     secondary: &'j SecondaryRays<'a>,
     /// Rays that leave surfaces, at most: judged ones and timed ones.
@@ -159,19 +144,23 @@ struct Judge<'j, 'a> {
 }
 
 impl<'a> Judge<'_, 'a> {
-    /// The errors of a step, and its work: `batches`, and the rays that leave surfaces.
-    fn step<S: Buildable>(
+    /// A step, judged; its work is `batches`, and the rays that leave surfaces.
+    fn variant<S: Buildable>(
         &self,
-        tracer: Box<dyn Tracer<S> + 'a>,
+        step: &Step,
+        built: StagedStructure<'a, S>,
         batches: Batches<S>,
-        offset: RayOffset,
-    ) -> ([TrialCounts; KINDS], Box<dyn Work + 'a>) {
+    ) -> Variant<'a> {
+        let StagedStructure { tracer, known_defect, .. } = built;
+        let offset = RayOffset::new(step.offset, self.secondary.magnitude);
         let of_aims = |known: &Vec<KnownHit>| {
             let rays: Vec<Ray<S>> = known.iter().map(|known| exactly(&known.ray)).collect();
             judged(&*tracer, known, &rays)
         };
         let [edges, middles] = self.aims.each_ref().map(of_aims);
         let found = [edges, middles, self.off_surfaces(&*tracer, offset)];
+        let mut all_kinds = TrialCounts::default();
+        found.iter().for_each(|counts| all_kinds.add_counts(*counts));
         let leaving: Vec<_> = self.leaving(self.timed).collect();
         let of_batches = batches.iter().map(|(kind, rays)| Answers::new(*kind, rays.len()));
         let answers = of_batches.chain([Answers::new(RayKind::Diffuse, leaving.len())]).collect();
@@ -189,7 +178,13 @@ impl<'a> Judge<'_, 'a> {
             trace(&*tracer, rays, answers);
         });
         work.parts = parts;
-        (found, Box::new(work))
+        let precision = if step.is_double { " --precision f64" } else { "" };
+        let rule = if step.offset == PLAIN { " --set rays.offset=scene-relative" } else { "" };
+        let setting = format!("run -s {}{}{precision}{rule}", self.subject, step.settings);
+        Variant::new(step.adds, setting, all_kinds.error(), work)
+            .with_defect(known_defect)
+            .as_reference(step.is_double)
+            .also(WRONG.into_iter().zip(found.map(|counts| counts.error().value())))
     }
 
     /// Counts the rays that hit the surface they leave, or begin beyond a sheet close above it.

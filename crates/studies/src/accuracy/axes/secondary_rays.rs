@@ -68,7 +68,7 @@ impl<'a> SecondaryRays<'a> {
         scene: &'a Scene,
         geometry: &'a Geometry<f32>,
     ) -> Result<Self, StudyError> {
-        let tracer = stage.over(TRACER, geometry)?;
+        let tracer = stage.over(TRACER, geometry)?.tracer;
         let eye = scene.camera.from;
         let by = eye - stage.scene().camera.from;
         let batches = stage.batches(stage.limits.timed_rays, |kind| kind == RayKind::Primary);
@@ -145,7 +145,7 @@ impl<'a> SecondaryWork<'a> {
     }
 
     /// A row for the rule of that name: the work is timed with at most `most` rays.
-    pub fn variant(self, name: &str, most: usize) -> Variant<'a> {
+    pub fn variant(self, name: &str, error: ErrorOf, most: usize) -> Variant<'a> {
         let Self { mut ways, offset, tracer, mut rays, .. } = self;
         ways.truncate(most);
         let answers = vec![Answers::new(RayKind::Diffuse, ways.len())];
@@ -156,10 +156,7 @@ impl<'a> SecondaryWork<'a> {
         });
         let is_reference = RULES.contains(&(name, OffsetRule::default()));
         let setting = format!("run --set rays.offset={name}");
-        Variant {
-            is_reference,
-            ..Variant::new(name, setting, TrialCounts::default().error(), work)
-        }
+        Variant::new(name, setting, error, work).as_reference(is_reference)
     }
 }
 

@@ -21,7 +21,7 @@ use crate::accuracy::record::in_a_million;
 /// Shadow rays of points that the shading says are lit.
 #[derive(Default)]
 pub struct LitPoints<'a> {
-    meshes: Vec<u32>,
+    meshes: Vec<usize>,
     ids: Vec<u32>,
     ways: Ways<'a>,
     /// True if the facet faces away from the light.
@@ -97,7 +97,7 @@ enum FirstBlocker {
     Another,
 }
 
-fn blocked(meshes: &[u32], ids: &[u32], work: &SecondaryWork<'_>) -> Vec<FirstBlocker> {
+fn blocked(meshes: &[usize], ids: &[u32], work: &SecondaryWork<'_>) -> Vec<FirstBlocker> {
     let mesh = |id: u32| meshes.get(id as usize);
     let of = |(id, (_, _, hit)): (&u32, (_, &Ray<f32>, &accel_core::Hit<f32>))| match hit.id {
         _ if !hit.is_hit() => FirstBlocker::No,
@@ -110,34 +110,26 @@ fn blocked(meshes: &[u32], ids: &[u32], work: &SecondaryWork<'_>) -> Vec<FirstBl
 
 /// The mesh of each primitive: those that share a corner are of one (disjoint sets with path
 /// halving, R. Tarjan and J. van Leeuwen, JACM 31(2), 1984).
-fn meshes(scene: &Scene) -> Vec<u32> {
-    let mut parent: Vec<u32> = (0..scene.primitives.len() as u32).collect();
-    fn root(parent: &mut [u32], mut id: u32) -> u32 {
-        while let Some(&above) = parent.get(id as usize) {
-            if above == id {
-                break;
-            }
-            let next = parent.get(above as usize).copied().unwrap_or(above);
-            if let Some(own) = parent.get_mut(id as usize) {
-                *own = next;
-            }
-            id = next;
+fn meshes(scene: &Scene) -> Vec<usize> {
+    let mut parent: Vec<usize> = (0..scene.primitives.len()).collect();
+    fn root(parent: &mut [usize], mut id: usize) -> usize {
+        while parent[id] != id {
+            parent[id] = parent[parent[id]];
+            id = parent[id];
         }
         id
     }
-    let mut at_corner: HashMap<[u64; 3], u32> = HashMap::new();
+    let mut at_corner: HashMap<[u64; 3], usize> = HashMap::new();
     for (id, primitive) in scene.primitives.iter().enumerate() {
         for corner in scene.outline(primitive.shape) {
             // one zero for both signs
             let key = corner.to_array().map(|x| (x + 0.0).to_bits());
-            let other = *at_corner.entry(key).or_insert(id as u32);
-            let (a, b) = (root(&mut parent, id as u32), root(&mut parent, other));
-            if let Some(above) = parent.get_mut(a as usize) {
-                *above = b;
-            }
+            let other = *at_corner.entry(key).or_insert(id);
+            let (a, b) = (root(&mut parent, id), root(&mut parent, other));
+            parent[a] = b;
         }
     }
-    (0..parent.len() as u32).map(|id| root(&mut parent, id)).collect()
+    (0..parent.len()).map(|id| root(&mut parent, id)).collect()
 }
 
 #[cfg(test)]

@@ -10,9 +10,7 @@
 //! the rays of a part are traced together, as by one who draws an image a moment.
 
 use accel_core::Ray;
-use accel_core::query::tracer::Tracer;
 use glam::DVec3;
-use measurement::plan::rows::Row;
 use renderer::Geometry;
 use scene_loading::{Scene, Shape};
 use statistics::random::Random;
@@ -36,13 +34,6 @@ const PARTS: [usize; 4] = [1, 2, 4, 8];
 /// How far primitives move, in parts of the scene's size.
 const WAY: f64 = 0.1;
 
-/// Structures with the rays that each answers.
-struct Rows<'a> {
-    tracers: Vec<Box<dyn Tracer<f32> + 'a>>,
-    batches: Vec<Batches<f32>>,
-    build_s: f64,
-}
-
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let scene = in_motion(stage.scene(), &mut stage.random("directions"));
     let shutter = scene.camera.shutter;
@@ -54,58 +45,42 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let of_moments = |n| moments(n, shutter).map(|time| Geometry::of(&held_still(&scene, time)));
     let still = PARTS.map(|n| of_moments(n).collect::<Result<Vec<Geometry<f32>>, _>>());
     let still = still.into_iter().collect::<Result<Vec<_>, _>>()?;
+    // structures with the rays that each answers
     let mut rows = Vec::new();
     for n in PARTS {
         let label = format!("{TRACER}:time-segments={n}");
         let setting = format!("run -s {label}");
-        let row = built(stage, &label, &moving, vec![batches.clone()])?;
-        rows.push((named(n, "segment"), setting, row));
+        rows.push((
+            named(n, "segment"),
+            setting,
+            stage.over_each(&label, &moving)?,
+            vec![batches.clone()],
+        ));
     }
     for (geometries, n) in still.iter().zip(PARTS) {
         let parts = (0..n).map(|k| part(&batches, k, n, shutter)).collect();
         let setting = format!("run -s {TRACER}, of {n} scenes at rest");
-        let row = built(stage, TRACER, geometries, parts)?;
-        rows.push((format!("held still, {}", named(n, "moment")), setting, row));
+        let name = format!("held still, {}", named(n, "moment"));
+        rows.push((name, setting, stage.over_each(TRACER, geometries)?, parts));
     }
-    let Some((_, _, reference)) = rows.first() else { return Err(stage.unfit("no variants")) };
-    let Some(reference) = reference.tracers.first() else {
-        return Err(stage.unfit("no structure"));
-    };
-    let mut variants = Vec::new();
-    for (i, (name, setting, row)) in rows.iter().enumerate() {
-        let own = row.tracers.iter().map(|tracer| &**tracer).zip(&row.batches);
+    let reference = &*rows[0].2[0].tracer;
+    let variants = rows.iter().enumerate().map(|(i, (name, setting, structures, batches))| {
+        let own = structures.iter().map(|built| &*built.tracer).zip(batches);
         let replay = Replay::of_several(own);
-        let exact = Replay::of_several(row.batches.iter().map(|batches| (&**reference, batches)));
+        let exact = Replay::of_several(batches.iter().map(|batches| (reference, batches)));
         let error =
             compare(&replay.answers, &exact.answers, |hit, exact| hit.id != exact.id).error();
-        let bytes: u64 = row.tracers.iter().map(|tracer| tracer.stats().bytes).sum();
-        variants.push(Variant {
-            known_defect: (i >= PARTS.len())
-                .then_some("moving primitives are static within each part"),
-            is_reference: i == 0,
-            also: build_columns(bytes, row.build_s).into(),
-            ..Variant::new(name.clone(), setting.clone(), error, replay)
-        });
-    }
+        let bytes = structures.iter().map(|built| built.tracer.stats().bytes).sum();
+        let build_s = structures.iter().map(|built| built.build_s).sum();
+        let defect = (i >= PARTS.len()).then_some("moving primitives are static within each part");
+        Variant::new(name, setting, error, replay)
+            .with_defect(defect)
+            .as_reference(i == 0)
+            .also(build_columns(bytes, build_s))
+    });
     let rays = count(&batches);
     let work = format!("{rays} rays of the scene, each at a time of its own, through {TRACER}");
     Ok(timed(stage, SceneOutcome::new(work, "the same rays"), variants))
-}
-
-/// The structure over each of the geometries.
-fn built<'a>(
-    stage: &Stage<'_>,
-    label: &str,
-    geometries: &'a [Geometry<f32>],
-    batches: Vec<Batches<f32>>,
-) -> Result<Rows<'a>, StudyError> {
-    let row = Row::parse(stage.registry, label)?;
-    let prepared = row.entry.prepare(&row.params);
-    let start = stage.clock.now();
-    let build = |geometry: &'a Geometry<f32>| prepared(geometry.prims(), None);
-    let tracers: Result<Vec<_>, _> = geometries.iter().map(build).collect();
-    let build_s = stage.clock.seconds_since(start);
-    Ok(Rows { tracers: tracers.map_err(|e| stage.refused(e))?, batches, build_s })
 }
 
 fn named(n: usize, what: &str) -> String {

@@ -41,13 +41,9 @@ const TRAVERSALS: [&str; 4] = ["accumulate", "t-next", "driving-axis", "f64"];
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let n = CELLS[usize::from(stage.limits.quick)];
-    let labels = TRAVERSALS
-        .map(|traversal| format!("uniform-grid:resolution={n}x{n}x{n}:traversal={traversal}"));
-    let built = stage.built_all(&labels)?;
+    let label = |traversal| format!("uniform-grid:resolution={n}x{n}x{n}:traversal={traversal}");
+    let settings = TRAVERSALS.map(|traversal| (traversal, label(traversal)));
     let batches = stage.all_batches();
-    let replays = replays(&built, &batches);
-    let differing = |r: &Replay<'_, f32>| replays.last().map_or(0, |last| r.differing(last));
-    let differing: Vec<u64> = replays.iter().map(differing).collect();
     let aimed = lattice_rays(stage, FINE);
     let mut found = TRAVERSALS.map(|_| (TrialCounts::default(), 0));
     for aim in &aimed {
@@ -58,23 +54,19 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             *missed += passed_by;
         }
     }
-    let (mut variants, rays) = (Vec::new(), count(&batches));
-    let parts = built.iter().zip(replays).zip(TRAVERSALS).zip(differing).zip(found);
-    for ((((built, replay), traversal), differing), (tally, missed)) in parts {
-        variants.push(Variant {
-            is_reference: traversal == "f64",
-            also: vec![
-                ("cells passed by", missed as f64),
-                ("wrong hits in 10^6", in_a_million(differing, rays as u64)),
-            ],
-            ..Variant::built(traversal, built, tally.error(), replay)
-        });
-    }
     let said = SceneOutcome::new(
-        format!("{rays} rays of the scene through {n}^3 cells"),
+        format!("of the scene through {n}^3 cells"),
         format!("{} rays of the scene on a lattice of {FINE}^3 cells", aimed.len()),
     );
-    Ok(timed(stage, said, variants))
+    timed_settings(stage, &settings, "f64", &batches, said, |i, _, replays| {
+        let (tally, missed) = found[i];
+        let differing = replays.last().map_or(0, |last| replays[i].differing(last));
+        let figures = vec![
+            ("cells passed by", missed as f64),
+            ("wrong hits in 10^6", in_a_million(differing, count(&batches) as u64)),
+        ];
+        Ok((tally.error(), figures))
+    })
 }
 
 /// A ray whose numbers the integer oracle can hold, in the coordinates of cells.

@@ -69,11 +69,12 @@ impl<'r> SizeSweep<'r> {
     ) -> Result<Self, PlanError> {
         time_within("time-limit", Some(args.time_limit))?;
         let sizes = sizes_of(args, scenes)?;
+        let measuring = measuring(&args.measuring);
         let mut structures = args.structures.clone();
         if structures.is_empty() {
             // each at its defaults: variants are for `run`
             structures.extend(registry.iter().map(|e| e.info.name.to_owned()));
-            if rays_of(&args.measuring).iter().any(|kind| kind == "shadow") {
+            if measuring.rays.iter().any(|kind| kind == "shadow") {
                 structures.extend(occluders.iter().map(|e| e.info.name.to_owned()));
             }
         }
@@ -82,7 +83,7 @@ impl<'r> SizeSweep<'r> {
             by_kind: false,
             structures,
             overrides: Vec::new(),
-            measuring: measuring(&args.measuring),
+            measuring,
             shard: None,
             processes: 1,
         };
@@ -126,14 +127,12 @@ fn sizes_of(args: &SizeSettings, scenes: &dyn SceneSource) -> Result<Vec<SizeRec
     Ok(found)
 }
 
-/// The kinds of rays named, or those that are asked for when none are.
-fn rays_of(args: &MeasuringSettings) -> Vec<String> {
-    if args.rays.is_empty() { RAYS.map(str::to_owned).into() } else { args.rays.clone() }
-}
-
 /// The options that all commands have which measure, with this one's defaults.
 fn measuring(args: &MeasuringSettings) -> MeasuringSettings {
-    let mut args = MeasuringSettings { rays: rays_of(args), max_memory: None, ..args.clone() };
+    let mut args = MeasuringSettings { max_memory: None, ..args.clone() };
+    if args.rays.is_empty() {
+        args.rays = RAYS.map(str::to_owned).into();
+    }
     if !args.quick {
         args.size.get_or_insert(SIZE);
     }

@@ -10,7 +10,7 @@ use crate::sweep::sizes::quantities::{QUANTITIES, Quantity, points, rows, trace_
 use measurement::record::scale::{SizeRecord, SlopeRecord};
 use measurement::record::{RowRecord, RunRecord, SceneRecord, Verdict};
 use presentation::column::{self, Column, Unit, Value, headed};
-use presentation::csv::{number, written};
+use presentation::csv::written;
 use presentation::json::FormatError;
 use presentation::numbers;
 use presentation::svg_plot::{Axis, Plot, Point, Scale, Series, figure};
@@ -190,27 +190,22 @@ pub fn sizes_csv(run: &RunRecord) -> Result<String, FormatError> {
 }
 
 /// How each quantity of each row grows.
-pub fn slopes_csv(run: &RunRecord) -> Result<String, FormatError> {
-    written(|writer| {
-        let columns =
-            ["scene", "structure", "settings", "quantity", "sizes", "slope", "low", "high"];
-        writer.write_record(columns)?;
-        if let Some(scale) = &run.scale {
-            for slope in &scale.slopes {
-                writer.write_record([
-                    scale.scene.clone(),
-                    slope.structure.clone(),
-                    slope.settings.clone(),
-                    slope.quantity.clone(),
-                    slope.sizes.to_string(),
-                    number(Some(slope.slope)),
-                    number(slope.low),
-                    number(slope.high),
-                ])?;
-            }
-        }
-        Ok(())
-    })
+#[rustfmt::skip]
+pub fn slopes_csv<'a>(run: &'a RunRecord) -> Result<String, FormatError> {
+    use Value::{Count, Real, Text};
+    let c = |keys, of| Column::new(keys, "", Unit::None, of);
+    let columns = [
+        c(&["scene"], |(scene, _): &(&'a str, &'a SlopeRecord)| Text((*scene).to_owned())),
+        c(&["structure"], |(_, slope)| Text(slope.structure.clone())),
+        c(&["settings"], |(_, slope)| Text(slope.settings.clone())),
+        c(&["quantity"], |(_, slope)| Text(slope.quantity.clone())),
+        c(&["sizes"], |(_, slope)| Count(slope.sizes)),
+        c(&["slope"], |(_, slope)| Real(slope.slope)),
+        c(&["low"], |(_, slope)| Value::of(slope.low, Real)),
+        c(&["high"], |(_, slope)| Value::of(slope.high, Real)),
+    ];
+    let slopes = run.scale.iter().flat_map(|scale| scale.slopes.iter().map(move |s| (&*scale.scene, s)));
+    column::csv(&columns, slopes)
 }
 
 /// Plots, both axes logarithmic: the panels of the quantities that have something to show.
