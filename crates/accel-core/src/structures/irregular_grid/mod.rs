@@ -13,6 +13,9 @@
 //! grown box (`course.rs`), go on at the lattice point there. Points are off by a few ulps of the
 //! scene, lists have what lies within the padding of the box of their cell, which is more.
 //!
+//! A batch whose neighbours neither start nor run alike is put in another order first
+//! (`query/ray_order.rs`).
+//!
 //! Built by all threads of the pool in which it is built, to the same bits by any number of them.
 
 mod cells;
