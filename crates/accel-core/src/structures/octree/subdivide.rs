@@ -2,7 +2,7 @@
 
 use crate::capacity::CapacityLimits;
 use crate::geometry::aabb::Aabb;
-use crate::geometry::scalar::{Scalar, Vector};
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::memory::CountedItem;
 use crate::params::config::Settings;
 use crate::structure::BuildError;
@@ -253,5 +253,9 @@ fn touches<S: Scalar>(b: &Aabb<S>, planes: &[S; 3], octant: usize) -> bool {
 
 /// The box of a child.
 pub(super) fn octant_of<S: Scalar>(bounds: &Aabb<S>, planes: &[S; 3], octant: usize) -> Aabb<S> {
-    (0..3).fold(*bounds, |part, k| part.cut(k, planes[k])[octant >> k & 1])
+    let (mut lo, mut hi) = (bounds.min.to_array(), bounds.max.to_array());
+    for k in 0..3 {
+        if octant >> k & 1 == 1 { lo[k] = planes[k] } else { hi[k] = planes[k] }
+    }
+    Aabb { min: Vec3::<S>::from_array(lo), max: Vec3::<S>::from_array(hi) }
 }
