@@ -15,7 +15,7 @@ use rtbench::commands::run_outputs;
 use rtbench::comparison::{ComparisonSettings, NamedRun, compare, tables};
 use rtbench::gate::thresholds::Thresholds;
 use rtbench::gate::{Evidence, Instructions, Times, judge};
-use rtbench::replan::{Restriction, restrict};
+use rtbench::replan::restrict;
 use rtbench::report::material::{DataFile, Material};
 use rtbench::report::page;
 use studies::run::costs::profiles;
@@ -53,9 +53,8 @@ fn compared(record: &RunRecord) {
 fn exported(record: &RunRecord) {
     let _ = studies::run::output::to_csv(record);
     let _ = studies::run::output::to_markdown(record);
-    let _ = run_outputs::smaller(record, None);
-    let _ = run_outputs::bigger(record, None);
-    let _ = run_outputs::bencher(record, None);
+    let _ = run_outputs::github(run_outputs::measures(record));
+    let _ = run_outputs::bencher(run_outputs::measures(record));
     let view = View::fastest_first();
     for scene in &record.scenes {
         let _ = studies::run::output::write_scene(&mut std::io::sink(), record, scene, &view);
@@ -64,7 +63,7 @@ fn exported(record: &RunRecord) {
 }
 
 fn checked(record: &RunRecord) {
-    let Ok(base) = restrict(record, &Restriction::default()) else { return };
+    let Ok(base) = restrict(record, &[], &[]) else { return };
     let _ = judge(&Evidence {
         thresholds: &Thresholds::default(),
         base: &base,

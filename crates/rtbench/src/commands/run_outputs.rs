@@ -37,7 +37,7 @@ static IN_FOLDER: [(&str, Format); 3] = [
 /// A file of a service that keeps time series: its path, its numbers, and their text.
 type SeriesFile<'a> =
     (&'a Option<PathBuf>, fn(&RunRecord) -> Vec<Measure>, fn(Vec<Measure>) -> SeriesText);
-type SeriesText = Result<String, FormatError>;
+pub type SeriesText = Result<String, FormatError>;
 
 fn series_files(args: &ExportArgs) -> [SeriesFile<'_>; 3] {
     [
@@ -101,7 +101,7 @@ pub fn of_run(args: &ExportArgs) -> Result<Outputs<'static>, OutputError> {
 }
 
 /// A number of a row of a scene.
-struct Measure {
+pub struct Measure {
     /// Scene and row: `teapot: uniform-grid density=1`.
     row: String,
     /// As in [`METRICS`]; of rates `mrays-primary` and so on.
@@ -121,7 +121,7 @@ impl Measure {
 }
 
 /// Times, ratios, counters and rays per second.
-fn measures(run: &RunRecord) -> Vec<Measure> {
+pub fn measures(run: &RunRecord) -> Vec<Measure> {
     costs(run).into_iter().chain(rates(run)).collect()
 }
 
@@ -218,7 +218,7 @@ struct BencherMetric {
     upper_value: Option<f64>,
 }
 
-fn bencher(measures: Vec<Measure>) -> SeriesText {
+pub fn bencher(measures: Vec<Measure>) -> SeriesText {
     let mut benchmarks: BTreeMap<String, BTreeMap<String, BencherMetric>> = BTreeMap::new();
     for Measure { row, name, value, interval, .. } in measures {
         let (lower_value, upper_value) = interval.map(|[low, high]| (low, high)).unzip();
@@ -239,7 +239,7 @@ struct Entry {
     range: Option<String>,
 }
 
-fn github(measures: Vec<Measure>) -> SeriesText {
+pub fn github(measures: Vec<Measure>) -> SeriesText {
     let entry = |m: Measure| Entry {
         name: m.series(),
         unit: m.unit,
