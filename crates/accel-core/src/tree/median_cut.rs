@@ -1,12 +1,12 @@
 //! Neighbouring primitives: sets of them, halved at the median of their centres.
 
 use crate::geometry::aabb::Aabb;
-use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::geometry::scalar::{Scalar, Vector};
 use crate::parallel::{collect, should_parallelize};
 use crate::primitives::Primitives;
 
 /// The centres of boxes.
-pub(crate) struct Centres<S: Scalar>(Vec<Vec3<S>>);
+pub(crate) struct Centres<S>(Vec<[S; 3]>);
 
 impl<S: Scalar> Centres<S> {
     /// Those of all primitives.
@@ -24,10 +24,8 @@ impl<S: Scalar> Centres<S> {
         if lower >= ids.len() {
             return;
         }
-        let at = |id: u32| self.0[id as usize];
-        let centres = ids.iter().map(|&id| Aabb::<S> { min: at(id), max: at(id) });
-        let axis = centres.fold(Aabb::empty(), Aabb::union).longest_axis();
-        let centre = |id: u32| at(id).to_array()[axis].to_f64();
+        let axis = self.widest_axis(ids);
+        let centre = |id: u32| self.0[id as usize][axis].to_f64();
         ids.select_nth_unstable_by(lower, |&a, &b| {
             centre(a).total_cmp(&centre(b)).then_with(|| a.cmp(&b))
         });
@@ -60,24 +58,35 @@ impl<S: Scalar> Centres<S> {
             self.cut_again(back, lower);
         }
     }
+
+    fn widest_axis(&self, ids: &[u32]) -> usize {
+        let (mut lo, mut hi) = ([S::INFINITY; 3], [-S::INFINITY; 3]);
+        for &id in ids {
+            let centre = self.0[id as usize];
+            for k in 0..3 {
+                lo[k] = centre[k].lesser(lo[k]);
+                hi[k] = centre[k].greater(hi[k]);
+            }
+        }
+        let spread = |k: usize| hi[k] - lo[k];
+        (1..3).fold(0, |widest, k| if spread(k) > spread(widest) { k } else { widest })
+    }
 }
 
 /// Half each, so that the sum cannot overflow.
-fn centre<S: Scalar>(b: &Aabb<S>) -> Vec3<S> {
+fn centre<S: Scalar>(b: &Aabb<S>) -> [S; 3] {
     let half = S::from_f64(0.5);
-    b.min * half + b.max * half
+    (b.min * half + b.max * half).to_array()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
 
     #[test]
     fn groups_are_full_and_next_to_each_other() {
         // 100 centres on a line, in a scrambled order
-        let centres =
-            Centres::<f64>((0..100).map(|i| DVec3::X * f64::from(i * 37 % 100)).collect());
+        let centres = Centres((0..100).map(|i| [f64::from(i * 37 % 100), 0.0, 0.0]).collect());
         for size in [1, 3, 7, 64, 100, 1000] {
             let mut ids: Vec<u32> = (0..100).collect();
             centres.group(&mut ids, size);
@@ -94,7 +103,7 @@ mod tests {
 
     #[test]
     fn equal_centres_are_cut_by_id() {
-        let centres = Centres::<f32>(vec![glam::Vec3::ONE; 9]);
+        let centres = Centres(vec![[1.0f32; 3]; 9]);
         let mut ids: Vec<u32> = (0..9).rev().collect();
         centres.cut(&mut ids, 4);
         assert!(ids[..4].iter().all(|&id| id < 4), "{ids:?}");

@@ -118,7 +118,7 @@ pub fn timed<'v>(
 }
 
 /// Error of a variant, and further figures of it by name.
-pub type Judged = (ErrorOf, Vec<(&'static str, f64)>);
+pub type ErrorFigures = (ErrorOf, Vec<(&'static str, f64)>);
 
 /// Times structures that differ in a setting, each by its name and its label, on the same rays.
 /// `judge` is given the number of each and the answers of all; `said` says whose rays they are and
@@ -129,14 +129,14 @@ pub fn timed_settings(
     reference: &str,
     batches: &Batches<f32>,
     mut said: SceneOutcome,
-    judge: impl Fn(usize, &StagedStructure<'_>, &[Replay<'_, f32>]) -> Result<Judged, StudyError>,
+    judge: impl Fn(usize, &StagedStructure<'_>, &[Replay<'_, f32>]) -> Result<ErrorFigures, StudyError>,
 ) -> Result<SceneOutcome, StudyError> {
     let built = settings.iter().map(|(_, label)| stage.built(label));
     let built = built.collect::<Result<Vec<_>, StudyError>>()?;
     let replays: Vec<Replay<'_, f32>> =
         built.iter().map(|built| Replay::by_kind(&*built.tracer, batches)).collect();
     let judged = built.iter().enumerate().map(|(i, built)| judge(i, built, &replays));
-    let judged = judged.collect::<Result<Vec<Judged>, StudyError>>()?;
+    let judged = judged.collect::<Result<Vec<ErrorFigures>, StudyError>>()?;
     said.timed = format!("{} rays {}", count(batches), said.timed);
     let rows = settings.iter().zip(&built).zip(replays).zip(judged);
     let variants = rows.map(|((((name, _), built), replay), (error, figures))| {
