@@ -35,7 +35,6 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::abi;
 
-/// The table above.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Header {

@@ -65,7 +65,6 @@ pub static BVH_INFO: StructureInfo = StructureInfo {
 const OF_COPIES: ParamSpec =
     ParamSpec { name: "top-density", summary: "voxels per copy of an object", ..specs::DENSITY };
 
-/// Grids over grids.
 pub type InstancedGrid<S> = InstancedStructure<S, UniformGrid<S>>;
 
 /// A BVH over BVHs.

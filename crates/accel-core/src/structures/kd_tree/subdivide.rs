@@ -37,7 +37,6 @@ pub(super) fn cells<S: Scalar>(
 static CELLS: CountedItem = CountedItem::cells("number of cells", 16);
 static REFERENCES: CountedItem = CountedItem::references("references in cells");
 
-/// The cells.
 pub(super) type Cells<S> = build::Cells<S, Node<S>>;
 
 #[derive(Debug, Clone, Copy)]
