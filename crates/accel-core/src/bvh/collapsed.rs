@@ -14,8 +14,6 @@ use crate::parallel::{self, ForkedTree};
 #[derive(Default)]
 pub(super) struct CollapsedTree {
     pub(super) nodes: Vec<CollapsedNode>,
-    /// By node what its children add up to; empty until they are in order.
-    sums: Vec<Areas>,
     /// The ids of all leaves, one after the other, and where each ends.
     ids: Vec<u32>,
     ends: Vec<usize>,
@@ -29,10 +27,12 @@ pub(super) struct CollapsedNode {
     /// Node numbers, or leaf numbers with [`LEAF`].
     places: [u32; WIDTH],
     children: usize,
+    /// What its children add up to; none until they are in order.
+    sum: Option<Areas>,
 }
 
 impl CollapsedNode {
-    const NONE: Self = Self { subtrees: [0; WIDTH], places: [0; WIDTH], children: 0 };
+    const NONE: Self = Self { subtrees: [0; WIDTH], places: [0; WIDTH], children: 0, sum: None };
 
     /// Its children: of each the subtree and which node or leaf it is.
     pub(super) fn children(&self) -> impl Iterator<Item = (u32, u32)> {
@@ -67,17 +67,11 @@ impl CollapsedTree {
     fn joined(collapse: &Collapse<'_>, pieces: &[(usize, Self)]) -> Self {
         // nodes and leaves in front of a piece, and ids
         let (mut shift, mut ids_in_front) = ((0, 0), 0);
-        let mut nodes = vec![(&[CollapsedNode::NONE][..], shift)];
-        let mut sums = vec![(&[Areas::NONE][..], ())];
-        let (mut roots, mut ids, mut ends) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut roots, mut nodes) = (Vec::new(), vec![(&[CollapsedNode::NONE][..], shift)]);
+        let (mut ids, mut ends) = (Vec::new(), Vec::new());
         for (place, tree) in pieces {
-            let (sum, below) = match tree.sums.split_first() {
-                Some((sum, below)) => (Some(sum), below),
-                None => (None, &Areas::UNKNOWN[..tree.nodes.len() - 1]),
-            };
-            roots.push((*place, tree.nodes[0].moved(shift), sum));
+            roots.push((*place, tree.nodes[0].moved(shift)));
             nodes.push((&tree.nodes[1..], shift));
-            sums.push((below, ()));
             ids.push((&tree.ids[..], ()));
             ends.push((&tree.ends[..], ids_in_front));
             shift = (shift.0 + tree.nodes.len() as u32 - 1, shift.1 + tree.ends.len() as u32);
@@ -85,16 +79,14 @@ impl CollapsedTree {
         }
         let mut tree = Self {
             nodes: parallel::concat(&nodes, &CollapsedNode::moved),
-            sums: parallel::concat(&sums, &|sum, ()| sum),
             ids: parallel::concat(&ids, &|id, ()| id),
             ends: parallel::concat(&ends, &|end, ids| end + ids),
         };
         // pieces come before those below them
-        for (place, root, sum) in roots.into_iter().rev() {
+        for (place, root) in roots.into_iter().rev() {
             tree.nodes[place] = root;
-            match sum {
-                Some(sum) => tree.sums[place] = *sum,
-                None => tree.order(collapse, place),
+            if root.sum.is_none() {
+                tree.order(collapse, place);
             }
         }
         tree
@@ -113,7 +105,6 @@ impl CollapsedTree {
             }
         }
         if forks == 0 {
-            tree.sums = vec![Areas::NONE; tree.nodes.len()];
             (0..tree.nodes.len()).rev().for_each(|number| tree.order(collapse, number));
         }
         waiting.reverse();
@@ -144,7 +135,7 @@ impl CollapsedTree {
                 self.nodes.push(CollapsedNode::NONE);
             }
         }
-        self.nodes[number] = CollapsedNode { subtrees, places, children: n };
+        self.nodes[number] = CollapsedNode { subtrees, places, children: n, sum: None };
     }
 
     fn add_leaf(&mut self, collapse: &Collapse<'_>, subtree: u32, below: &mut Vec<u32>) {
@@ -155,14 +146,15 @@ impl CollapsedTree {
     /// Brings the children of a node into the order in which shadow rays ask them; nodes below it
     /// are in order.
     fn order(&mut self, collapse: &Collapse<'_>, number: usize) {
-        let node = &mut self.nodes[number];
-        let mut sum = Areas::NONE;
+        let mut node = self.nodes[number];
+        let mut sum = Areas { all: 0.0, leaves: 0.0 };
         let mut children = [(0.0, 0, 0); WIDTH];
         for (child, (subtree, place)) in children.iter_mut().zip(node.children()) {
             let own = collapse.bounds(subtree).half_area();
+            let leaf = Areas { all: own, leaves: own };
             let below = match place & LEAF {
-                0 => self.sums[place as usize].within(own),
-                _ => Areas { all: own, leaves: own },
+                0 => self.nodes[place as usize].sum.map_or(leaf, |sum| sum.within(own)),
+                _ => leaf,
             };
             sum.all += below.all;
             sum.leaves += below.leaves;
@@ -173,7 +165,8 @@ impl CollapsedTree {
         for (k, &(_, subtree, place)) in children.iter().enumerate() {
             (node.subtrees[k], node.places[k]) = (subtree, place);
         }
-        self.sums[number] = sum;
+        node.sum = Some(sum);
+        self.nodes[number] = node;
     }
 
     /// The ids of each leaf.
@@ -193,10 +186,6 @@ struct Areas {
 }
 
 impl Areas {
-    const NONE: Self = Self { all: 0.0, leaves: 0.0 };
-    /// Of the children of a node that is not in order yet.
-    const UNKNOWN: [Self; WIDTH] = [Self::NONE; WIDTH];
-
     /// These and that of the node itself.
     fn within(self, own: f32) -> Self {
         Self { all: self.all + own, ..self }
@@ -269,7 +258,10 @@ mod tests {
         }
         assert!(moved > 100 && pairs > 300, "{moved} {pairs}");
         let leaf = Areas { all: 2.0, leaves: 2.0 };
-        assert_eq!((leaf.hits_per_cost(2.0), Areas::NONE.hits_per_cost(0.0)), (1.0, 1.0));
+        assert_eq!(
+            (leaf.hits_per_cost(2.0), Areas { all: 0.0, leaves: 0.0 }.hits_per_cost(0.0)),
+            (1.0, 1.0)
+        );
         // four times the node's own area in its leaves: a ray hits once
         assert_eq!(Areas { all: 10.0, leaves: 8.0 }.hits_per_cost(2.0), 0.2);
     }
