@@ -1,7 +1,7 @@
 //! Neighbouring primitives: sets of them, halved at the median of their centres.
 
 use crate::geometry::aabb::Aabb;
-use crate::geometry::scalar::{Scalar, Vector};
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::parallel::{collect, should_parallelize};
 use crate::primitives::Primitives;
 
@@ -68,8 +68,8 @@ impl<S: Scalar> Centres<S> {
                 hi[k] = centre[k].greater(hi[k]);
             }
         }
-        let spread = |k: usize| hi[k] - lo[k];
-        (1..3).fold(0, |widest, k| if spread(k) > spread(widest) { k } else { widest })
+        let [min, max] = [lo, hi].map(Vec3::<S>::from_array);
+        Aabb::<S> { min, max }.longest_axis()
     }
 }
 

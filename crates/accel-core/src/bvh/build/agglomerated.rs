@@ -143,8 +143,7 @@ fn halve(
         centres.extend(leaf.aabb().center());
         centres
     });
-    let size = centres.diagonal();
-    let axis = (1..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
+    let axis = centres.largest_axis();
     let middle = leaves.len() / 2;
     // of boxes with one centre the inner ones; of equal ones in the order of their items
     leaves.select_nth_unstable_by(middle, |a, b| {
