@@ -15,7 +15,7 @@
 use crate::bvh::WideBvh;
 use crate::bvh::node::{BoxParameters, EPSILON, LARGE, LEAF, LEAST_PART, NodeRay, WIDTH};
 use crate::bvh::node_ray_lanes::{BoxRayLanes, NodeRayLanes};
-use crate::bvh::traverse::Stack;
+use crate::bvh::traverse::{Stack, runs_like_the_last};
 use crate::geometry::lanes::{Eight, Lanes, take_lowest};
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
@@ -23,6 +23,7 @@ use crate::query::prepared::LaneStructure;
 use crate::query::ray_order::ALIKE;
 use crate::query::sink::Sink;
 use crate::structure::Batches;
+use glam::Vec3A;
 use wide::f32x8;
 
 /// So many rays that meet a node go on alone.
@@ -118,7 +119,7 @@ impl Packet {
         }
         let is_any_hit = sinks[0].is_any_hit();
         let mut room = Stack::room();
-        let mut stack = Stack::new(&mut room);
+        let mut stack = Stack::new(&mut room, true);
         let (mut end, mut at, mut first) = (ends.last(), bvh.root, 0);
         'nodes: loop {
             sinks[first].inner_step();
@@ -144,7 +145,7 @@ impl Packet {
                     let sink = &mut sinks[lane];
                     let flow = if to & LEAF == 0 {
                         let ray = rays.get(lane);
-                        bvh.traverse_from(to, ray, parameters[lane], ends.0[lane], sink)
+                        bvh.traverse_from(to, ray, true, parameters[lane], ends.0[lane], sink)
                     } else {
                         sink.elementary_step(false);
                         bvh.lists.test(to & !LEAF, sink)
@@ -187,9 +188,12 @@ impl<S: Scalar> LaneStructure<S> for WideBvh<S> {
 
     #[inline(always)]
     fn trace_prepared<K: Sink<S>>(&self, eight: &EightRays<S>, lane: usize, sink: &mut K) {
-        let (ray, parameters) = (eight.rays.get(lane), eight.parameters[lane & (LANES - 1)]);
+        let lane = lane & (LANES - 1);
+        let (ray, parameters) = (eight.rays.get(lane), eight.parameters[lane]);
         let end = parameters.bound(sink.t_max());
-        let _ = self.traverse_from(self.root, ray, parameters, end, sink);
+        let of = |v: &[[f32; LANES]; 3]| Vec3A::new(v[0][lane], v[1][lane], v[2][lane]);
+        let is_foreseen = runs_like_the_last(of(&eight.origin), of(&eight.direction));
+        let _ = self.traverse_from(self.root, ray, is_foreseen, parameters, end, sink);
     }
 
     #[inline(always)]
