@@ -92,7 +92,8 @@ thread_local! {
     static LAST: Cell<[Vec3A; 2]> = const { Cell::new([Vec3A::ZERO; 2]) };
 }
 
-/// Returns whether the ray before, on this thread, began near this one and ran alike.
+/// Returns whether the ray before, on this thread, began near this one and ran alike. It decides how
+/// children are told, not which: no answer or counter depends on it.
 #[inline(always)]
 pub(super) fn runs_like_the_last(origin: Vec3A, direction: Vec3A) -> bool {
     let [last_origin, last_direction] = LAST.replace([origin, direction]);
