@@ -9,7 +9,7 @@ use super::node::{
 };
 use crate::geometry::lanes::{Eight, Lanes};
 use crate::geometry::ray::unit_factor;
-use crate::geometry::ray_lanes::{LANES, RayLanes};
+use crate::geometry::ray_lanes::{LANES, RayLanes, lane_of};
 use crate::geometry::scalar::Scalar;
 
 /// Eight rays for box tests, by axis and lane.
@@ -32,7 +32,7 @@ impl<S: Scalar> RaySetup<S> {
             parameters: [BoxParameters { scale: unit, lead: 0.0 }; LANES],
         };
         for lane in 0..LANES {
-            let direction = [0, 1, 2].map(|k| rays.direction[k][lane]);
+            let direction = lane_of(&rays.direction, lane);
             let shorter = if is_own { S::ONE } else { unit_factor(direction) };
             lanes.parameters[lane].scale = unit / shorter;
             for (k, d) in direction.into_iter().enumerate() {
@@ -114,11 +114,14 @@ impl NodeRayLanes {
     #[inline(always)]
     pub(super) fn get(&self, lane: usize) -> NodeRay {
         let lane = lane & (LANES - 1);
-        let of = |v: &[[f32; LANES]; 3]| [v[0][lane], v[1][lane], v[2][lane]];
-        let inverse = of(&self.inverse);
+        let inverse = lane_of(&self.inverse, lane);
         let is_negative = |k: usize| u32::from(inverse[k].is_sign_negative()) << k;
         let octant = is_negative(0) | is_negative(1) | is_negative(2);
-        NodeRay::with([inverse; 2], [of(&self.offset[0]), of(&self.offset[1])], octant)
+        NodeRay::with(
+            [inverse; 2],
+            [lane_of(&self.offset[0], lane), lane_of(&self.offset[1], lane)],
+            octant,
+        )
     }
 }
 
@@ -145,7 +148,7 @@ mod tests {
             for is_exact in [true, false] {
                 let lanes = NodeRayLanes::of(&origin, &direction, is_exact);
                 for lane in 0..LANES {
-                    let of = |v: &[[f32; LANES]; 3]| Vec3A::new(v[0][lane], v[1][lane], v[2][lane]);
+                    let of = |v: &[[f32; LANES]; 3]| Vec3A::from(lane_of(v, lane));
                     let expected = NodeRay::of(of(&origin), of(&direction), is_exact);
                     assert_eq!(lanes.get(lane), expected, "{round} {lane}");
                 }

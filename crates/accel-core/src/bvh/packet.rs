@@ -17,13 +17,12 @@ use crate::bvh::node::{BoxParameters, EPSILON, LARGE, LEAF, LEAST_PART, NodeRay,
 use crate::bvh::node_ray_lanes::{BoxRayLanes, NodeRayLanes};
 use crate::bvh::traverse::{Stack, runs_like_the_last};
 use crate::geometry::lanes::{Eight, Lanes, take_lowest};
-use crate::geometry::ray_lanes::{LANES, RayLanes};
+use crate::geometry::ray_lanes::{LANES, RayLanes, lane_of};
 use crate::geometry::scalar::Scalar;
 use crate::query::prepared::LaneStructure;
 use crate::query::ray_order::ALIKE;
 use crate::query::sink::Sink;
 use crate::structure::Batches;
-use glam::Vec3A;
 use wide::f32x8;
 
 /// So many rays that meet a node go on alone.
@@ -191,8 +190,10 @@ impl<S: Scalar> LaneStructure<S> for WideBvh<S> {
         let lane = lane & (LANES - 1);
         let (ray, parameters) = (eight.rays.get(lane), eight.parameters[lane]);
         let end = parameters.bound(sink.t_max());
-        let of = |v: &[[f32; LANES]; 3]| Vec3A::new(v[0][lane], v[1][lane], v[2][lane]);
-        let is_foreseen = runs_like_the_last(of(&eight.origin), of(&eight.direction));
+        let is_foreseen = runs_like_the_last(
+            lane_of(&eight.origin, lane).into(),
+            lane_of(&eight.direction, lane).into(),
+        );
         let _ = self.traverse_from(self.root, ray, is_foreseen, parameters, end, sink);
     }
 
@@ -271,7 +272,7 @@ mod tests {
             let (of_packet, entered) = packet.ray.test(&node, end);
             let entered = entered.to_array();
             for lane in 0..LANES {
-                let of = |v: &Columns| Vec3A::new(v[0][lane], v[1][lane], v[2][lane]);
+                let of = |v: &Columns| Vec3A::from(lane_of(v, lane));
                 let ray = NodeRay::of(of(&origin), of(&direction), is_exact);
                 let (of_ray, enter) = ray.test(&node, end);
                 for (child, enter) in enter.to_array().into_iter().enumerate() {

@@ -42,7 +42,7 @@ impl<S: Scalar> WideBvh<S> {
     }
 
     /// The traversal from a child on, which a ray enters before its parameter `end`; `Break` when
-    /// the query is over.
+    /// the query is over. `is_foreseen`: as in [`Stack`].
     #[inline(always)]
     pub(super) fn traverse_from<K: Sink<S>>(
         &self,
@@ -257,7 +257,11 @@ impl<'r> Stack<'r> {
         }
         let (second, is_last) = take();
         let (a, b) = (entry(first), entry(second));
-        if is_last && self.is_foreseen {
+        if is_last {
+            if !self.is_foreseen {
+                self.push(a.max(b));
+                return a.min(b) as u32;
+            }
             if a < b {
                 keep_branch!("nearer");
                 self.push(b);
@@ -271,10 +275,6 @@ impl<'r> Stack<'r> {
             (entry(child), is_last)
         };
         let (a, b) = (a.min(b), a.max(b));
-        if is_last {
-            self.push(b);
-            return a as u32;
-        }
         let (c, is_last) = next();
         let (b, c) = (b.min(c), b.max(c));
         let (a, b) = (a.min(b), a.max(b));

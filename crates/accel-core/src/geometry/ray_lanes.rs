@@ -31,11 +31,16 @@ impl<S: Scalar> RayLanes<S> {
 
     #[inline(always)]
     pub fn ray(&self, lane: usize) -> Ray<S> {
-        let ([x, y, z], [dx, dy, dz]) = (&self.origin, &self.direction);
-        let origin = Vec3::<S>::new(x[lane], y[lane], z[lane]);
-        let direction = Vec3::<S>::new(dx[lane], dy[lane], dz[lane]);
+        let origin = Vec3::<S>::from_array(lane_of(&self.origin, lane));
+        let direction = Vec3::<S>::from_array(lane_of(&self.direction, lane));
         Ray { t_min: self.t_min[lane], t_max: self.t_max[lane], ..Ray::new(origin, direction) }
     }
+}
+
+/// What a lane has on each axis.
+#[inline(always)]
+pub(crate) fn lane_of<T: Copy>(columns: &[[T; LANES]; 3], lane: usize) -> [T; 3] {
+    [columns[0][lane], columns[1][lane], columns[2][lane]]
 }
 
 #[cfg(test)]

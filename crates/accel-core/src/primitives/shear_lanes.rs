@@ -2,7 +2,7 @@
 
 use crate::geometry::lanes::{Eight, Lanes};
 use crate::geometry::ray::Ray;
-use crate::geometry::ray_lanes::{LANES, RayLanes};
+use crate::geometry::ray_lanes::{LANES, RayLanes, lane_of};
 use crate::geometry::scalar::{EightOf, Scalar};
 use crate::primitives::shear::{self, Shear};
 
@@ -78,11 +78,10 @@ impl<S: Scalar> ShearLanes<S> {
     #[inline(always)]
     pub fn get(&self, lane: usize) -> Shear<S> {
         let lane = lane & (LANES - 1);
-        let of = |v: &[[S; LANES]; 3]| [v[0][lane], v[1][lane], v[2][lane]];
         Shear {
             axes: AXES[usize::from(self.order[lane]) & (AXES.len() - 1)],
-            origin: of(&self.origin),
-            shear: of(&self.shear),
+            origin: lane_of(&self.origin, lane),
+            shear: lane_of(&self.shear, lane),
             fine: self.fine,
             near: self.near[lane],
         }
