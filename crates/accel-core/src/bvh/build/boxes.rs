@@ -74,11 +74,17 @@ impl Bounds {
         self.0 = self.0.lesser(other.0.greater(f32x8::splat(f32::from_bits(infinity))));
     }
 
+    /// Lengths of the edges, negated.
+    #[inline(always)]
+    pub(super) fn negated_extent(&self) -> f32x4 {
+        let [low, negated] = self.corners();
+        low + negated
+    }
+
     #[inline(always)]
     pub(super) fn half_area(&self) -> f32 {
-        let [low, negated] = self.corners();
-        // negative, of which products are not
-        let [x, y, z, _] = (low + negated).to_array();
+        // products of two are not negative
+        let [x, y, z, _] = self.negated_extent().to_array();
         x * y + y * z + z * x
     }
 

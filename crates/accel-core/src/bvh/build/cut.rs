@@ -4,9 +4,9 @@
 use wide::{f32x4, i32x4};
 
 use super::boxes::{Bounds, Item, SetBounds};
-use crate::bvh::collapse::blocks;
 use crate::geometry::lanes::Four;
 use crate::parallel::{exchange, map, map_parts, parts};
+use crate::primitives::TriangleBlock;
 
 /// Bins of an axis: a few, one more for so many boxes, at most so many.
 const FEWEST_BINS: usize = 4;
@@ -50,12 +50,13 @@ const XYZ: f32x4 =
 /// Contents of the bins of each axis.
 pub(super) struct Bins {
     bounds: [[Bounds; MOST_BINS]; 3],
-    numbers: [[u32; MOST_BINS]; 3],
+    /// How many boxes, of each axis in a lane of its own.
+    numbers: [[i32; 4]; MOST_BINS],
 }
 
 impl Bins {
     pub(super) const NONE: Self =
-        Self { bounds: [[Bounds::NONE; MOST_BINS]; 3], numbers: [[0; MOST_BINS]; 3] };
+        Self { bounds: [[Bounds::NONE; MOST_BINS]; 3], numbers: [[0; 4]; MOST_BINS] };
 
     /// The same as [`Bins::fill`], on all threads.
     #[cold]
@@ -74,7 +75,7 @@ impl Bins {
     #[inline(always)]
     fn fill(&mut self, count: usize, binning: &Binning, items: &[Item]) {
         self.bounds.iter_mut().for_each(|of_axis| of_axis[..count].fill(Bounds::NONE));
-        self.numbers.iter_mut().for_each(|of_axis| of_axis[..count].fill(0));
+        self.numbers[..count].fill([0; 4]);
         if items.len() < ALTERNATED_FROM {
             items.iter().for_each(|item| self.count(binning, item));
             return;
@@ -92,11 +93,11 @@ impl Bins {
 
     #[inline(always)]
     fn count(&mut self, binning: &Binning, item: &Item) {
-        let axes = self.bounds.iter_mut().zip(&mut self.numbers);
-        for ((bounds, numbers), place) in axes.zip(binning.bins(&item.centre())) {
-            let bin = place as usize & (MOST_BINS - 1);
+        let places = binning.bins(&item.centre());
+        for (axis, bounds) in self.bounds.iter_mut().enumerate() {
+            let bin = places[axis] as usize & (MOST_BINS - 1);
             bounds[bin].add(&item.0);
-            numbers[bin] += item.boxes();
+            self.numbers[bin][axis] += item.boxes() as i32;
         }
     }
 
@@ -107,6 +108,35 @@ impl Bins {
         numbers.for_each(|(number, more)| *number += more);
     }
 }
+
+/// Of each axis the boxes on one side of a cut.
+struct Side {
+    around: [Bounds; 3],
+    boxes: i32x4,
+}
+
+impl Side {
+    const NONE: Self = Self { around: [Bounds::NONE; 3], boxes: i32x4::splat(0) };
+
+    #[inline(always)]
+    fn add(&mut self, bins: &Bins, bin: usize) {
+        let axes = self.around.iter_mut().zip(&bins.bounds);
+        axes.for_each(|(around, bounds)| around.add(&bounds[bin]));
+        self.boxes += i32x4::new(bins.numbers[bin]);
+    }
+
+    /// The half area times the blocks.
+    #[inline(always)]
+    fn costs(&self) -> f32x4 {
+        let [a, b, c] = self.around.each_ref().map(Bounds::negated_extent);
+        let [x, y, z, _] = f32x4::transpose([a, b, c, c]);
+        let blocks = (self.boxes + (BLOCK - 1)) >> BLOCK.trailing_zeros();
+        (x * y + y * z + z * x) * f32x4::from_i32(blocks)
+    }
+}
+
+/// Triangles of a block.
+const BLOCK: i32 = TriangleBlock::<f32>::LANES as i32;
 
 /// A cut between two bins.
 pub(super) struct BinSplit {
@@ -127,32 +157,33 @@ impl BinSplit {
             1 => bins.fill(count, &binning, items),
             _ => bins.fill_in_parts(count, &binning, items),
         }
-        let blocks = |items: u32| blocks(items) as f32;
-        let (mut least, mut best) = (f32::INFINITY, None);
-        for axis in 0..3 {
-            let (bounds, numbers) = (&bins.bounds[axis][..count], &bins.numbers[axis][..count]);
-            let mut above = [0.0; MOST_BINS];
-            let (mut around, mut n) = (Bounds::NONE, 0);
-            for bin in (1..count).rev() {
-                around.add(&bounds[bin]);
-                n += numbers[bin];
-                above[bin] = around.half_area() * blocks(n);
-            }
-            // all centres are alike; else the first and the last bin have items
-            if n == 0 {
-                continue;
-            }
-            let (mut around, mut n) = (Bounds::NONE, 0);
-            for bin in 1..count {
-                around.add(&bounds[bin - 1]);
-                n += numbers[bin - 1];
-                let cost = above[bin] + around.half_area() * blocks(n);
-                if cost < least {
-                    (least, best) = (cost, Some((axis, bin)));
-                }
+        let mut side = Side::NONE;
+        let mut above = [f32x4::splat(0.0); MOST_BINS];
+        for bin in (1..count).rev() {
+            side.add(bins, bin);
+            above[bin] = side.costs();
+        }
+        let mut side = Side::NONE;
+        let (mut least, mut best) = (f32x4::splat(f32::INFINITY), f32x4::splat(0.0));
+        for bin in 1..count {
+            side.add(bins, bin - 1);
+            let costs = above[bin] + side.costs();
+            // not where all centres are alike: what has no boxes has no area, and costs no number
+            let is_less = costs.simd_lt(least);
+            least = is_less.select(costs, least);
+            best = is_less.select(f32x4::splat(bin as f32), best);
+        }
+        let (least, best) = (least.to_array(), best.to_array());
+        let mut axis = 0;
+        for other in 1..3 {
+            if least[other] < least[axis] {
+                axis = other;
             }
         }
-        let (axis, bin) = best?;
+        if least[axis] == f32::INFINITY {
+            return None;
+        }
+        let bin = best[axis] as usize;
         let around = |bins: &[Bounds]| {
             bins.iter().fold(Bounds::NONE, |mut all, bin| {
                 all.add(bin);
