@@ -165,9 +165,9 @@ impl BinSplit {
         }
         let mut side = Side::NONE;
         let (mut least, mut best) = (f32x4::splat(f32::INFINITY), f32x4::splat(0.0));
-        for bin in 1..count {
+        for (bin, &above) in (1..).zip(&above[1..count]) {
             side.add(bins, bin - 1);
-            let costs = above[bin] + side.costs();
+            let costs = above + side.costs();
             // not where all centres are alike: what has no boxes has no area, and costs no number
             let is_less = costs.simd_lt(least);
             least = is_less.select(costs, least);
