@@ -8,8 +8,6 @@ use measurement::settings::quantity::{count, duration};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::time::Duration;
-use studies::animate::AnimateSettings;
-use studies::explain::ExplainSettings;
 
 #[derive(Debug, Clone, Args, Serialize, Deserialize)]
 pub struct AccuracyArgs {
@@ -63,17 +61,6 @@ pub struct AnimateArgs {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub measuring: MeasuringArgs,
-}
-
-impl AnimateArgs {
-    /// The options, except for the scene and output files.
-    pub fn settings(&self) -> AnimateSettings {
-        AnimateSettings {
-            frames: self.frames,
-            structures: self.structures.clone(),
-            measuring: self.measuring.settings(),
-        }
-    }
 }
 
 /// `3..7` or `3`.
@@ -142,18 +129,6 @@ pub struct ExplainArgs {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub measuring: RatioArgs,
-}
-
-impl ExplainArgs {
-    /// The options, except for output files.
-    pub fn settings(&self) -> ExplainSettings {
-        ExplainSettings {
-            scenes: self.scenes.clone(),
-            structure: self.structure.clone(),
-            measuring: self.measuring.settings(),
-            processes: self.processes,
-        }
-    }
 }
 
 /// Publications that can be reproduced.

@@ -30,7 +30,8 @@ const PICTURES: (u32, u32) = (8, 160);
 pub fn run(context: &mut Context<'_>, args: &AnimateArgs, view: &ViewOptions) -> Result<u8, Error> {
     let mut scene = animation::open(&args.scene)?;
     let name = scene.name().to_owned();
-    let animate = Animate::new(&args.settings(), (&name, scene.frames()), context.registry)?;
+    let (measuring, of) = (args.measuring.settings(), (&*name, scene.frames()));
+    let animate = Animate::new(args.frames, &args.structures, measuring, of, context.registry)?;
     context.warn_of_instructions();
     let _created = context.created_folder(args.output.as_ref(), &NAMES)?;
     let [first, last] = animate.frames;

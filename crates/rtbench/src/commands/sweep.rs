@@ -80,7 +80,14 @@ fn over_sizes(
 
 /// `rtbench explain`: measures a row and the reference in all their crafts.
 pub fn explain(context: &mut Context<'_>, args: &ExplainArgs) -> Result<u8, Error> {
-    let explain = Explain::new(&args.settings(), context.registry, context.scenes)?;
+    let explain = Explain::new(
+        &args.scenes,
+        &args.structure,
+        &args.measuring.settings(),
+        args.processes,
+        context.registry,
+        context.scenes,
+    )?;
     let screen = context.screen();
     let files: [OutputFile<'_>; 3] = [
         (file::NAME, Box::new(json::written)),

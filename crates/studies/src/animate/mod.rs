@@ -28,16 +28,6 @@ const RAYS: [&str; 2] = ["primary", "shadow"];
 /// Tests of the oracle in a frame, at most: there are many frames.
 const ORACLE_TESTS: u64 = 40_000_000;
 
-#[derive(Debug, Clone)]
-pub struct AnimateSettings {
-    /// First and last frame; none: all.
-    pub frames: Option<[u32; 2]>,
-    /// Structures, each with its settings if any; none means each at its defaults and with each of
-    /// its updates.
-    pub structures: Vec<String>,
-    pub measuring: MeasuringSettings,
-}
-
 #[derive(Debug)]
 pub struct Animate<'r> {
     pub scene: String,
@@ -51,19 +41,22 @@ pub struct Animate<'r> {
 }
 
 impl<'r> Animate<'r> {
-    /// Validates what is asked for of the scene of that name, which has so many frames.
+    /// Validates what is asked for of the scene of that name, which has so many frames: the first
+    /// and the last of them, or all, and structures, each with its settings if any; none means each
+    /// at its defaults and with each of its updates.
     pub fn new(
-        args: &AnimateSettings,
-        (scene, frames): (&str, u32),
+        frames: Option<[u32; 2]>,
+        structures: &[String],
+        mut measuring: MeasuringSettings,
+        (scene, count): (&str, u32),
         registry: &'r [Entry],
     ) -> Result<Self, PlanError> {
-        let [first, last] = args.frames.unwrap_or([0, frames.saturating_sub(1)]);
-        if first > last || last >= frames {
+        let [first, last] = frames.unwrap_or([0, count.saturating_sub(1)]);
+        if first > last || last >= count {
             return Err(PlanError::Invalid(format!(
-                "--frames {first}..{last}: {scene} has {frames} frames, numbered from 0"
+                "--frames {first}..{last}: {scene} has {count} frames, numbered from 0"
             )));
         }
-        let mut measuring = args.measuring.clone();
         let pick = |of: [u32; 2]| if measuring.quick { of[0] } else { of[1] };
         let rounds = measuring.rounds.unwrap_or(pick(ROUNDS));
         measuring.size.get_or_insert(pick(SIZE));
@@ -71,12 +64,11 @@ impl<'r> Animate<'r> {
         if measuring.rays.is_empty() {
             measuring.rays = RAYS.map(str::to_owned).into();
         }
-        let structures = if args.structures.is_empty() {
-            all_updates(registry)
+        let rows = if structures.is_empty() {
+            select(registry, &all_updates(registry), &[])?
         } else {
-            args.structures.clone()
+            select(registry, structures, &[])?
         };
-        let rows = select(registry, &structures, &[])?;
         let mut plan = Plan::over(Vec::new(), rows, 0, &measuring, registry)?;
         plan.limits.oracle_tests = plan.limits.oracle_tests.min(ORACLE_TESTS);
         let mut threads = vec![1, plan.threads];

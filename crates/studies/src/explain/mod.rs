@@ -24,19 +24,6 @@ use statistics::estimate::Estimate;
 use statistics::product_of_medians::product_of_series;
 use statistics::series::Series;
 
-#[derive(Debug, Clone, Default)]
-pub struct ExplainSettings {
-    /// Scenes, scene sets or scene files.
-    pub scenes: Vec<String>,
-    /// The row, with its settings if any.
-    pub structure: String,
-    /// How to measure; `reference` is the other row.
-    pub measuring: MeasuringSettings,
-    /// Fresh processes that build and time, one after the other, as
-    /// [`measurement::settings::RunSettings::processes`].
-    pub processes: u32,
-}
-
 #[derive(Debug)]
 pub struct Explain<'r> {
     pub plan: Plan<'r>,
@@ -46,13 +33,19 @@ pub struct Explain<'r> {
 }
 
 impl<'r> Explain<'r> {
+    /// Of a row, named with its settings if any, and the reference of `measuring`, over scenes,
+    /// scene sets or scene files; built and timed in so many fresh processes, as
+    /// [`measurement::settings::RunSettings::processes`].
     pub fn new(
-        args: &ExplainSettings,
+        scenes: &[String],
+        structure: &str,
+        measuring: &MeasuringSettings,
+        processes: u32,
         registry: &'r [Entry],
-        scenes: &dyn SceneSource,
+        source: &dyn SceneSource,
     ) -> Result<Self, PlanError> {
-        let row = Row::parse(registry, &args.structure)?;
-        let reference = match &args.measuring.reference {
+        let row = Row::parse(registry, structure)?;
+        let reference = match &measuring.reference {
             Some(name) => Row::parse(registry, name)?,
             None => default_baseline(registry)?,
         };
@@ -79,13 +72,13 @@ impl<'r> Explain<'r> {
         }
         let baseline = rows.iter().position(|row| *row == reference).unwrap_or(0);
         let variants = rows.iter().map(Variant::of).collect();
-        let scenes = scenes.resolve(&args.scenes)?;
-        let mut plan = Plan::over(scenes, rows, baseline, &args.measuring, registry)?;
+        let scenes = source.resolve(scenes)?;
+        let mut plan = Plan::over(scenes, rows, baseline, measuring, registry)?;
         plan.same_rays = true;
         plan.keeps_baseline = true;
         // no image is asked for
         plan.limits.render_pass = 0.0;
-        plan.set_processes(args.processes)?;
+        plan.set_processes(processes)?;
         Ok(Self { plan, variants })
     }
 }
@@ -193,17 +186,14 @@ mod tests {
     ];
 
     fn explain(row: &str, reference: Option<&str>) -> Result<Explain<'static>, String> {
-        let settings = ExplainSettings {
-            scenes: vec!["tetra:2".into()],
-            structure: row.into(),
-            processes: 1,
-            measuring: MeasuringSettings {
-                reference: reference.map(str::to_owned),
-                threads: 1,
-                ..MeasuringSettings::default()
-            },
+        let measuring = MeasuringSettings {
+            reference: reference.map(str::to_owned),
+            threads: 1,
+            ..MeasuringSettings::default()
         };
-        Explain::new(&settings, REGISTRY, &InstalledScenes).map_err(|e| e.to_string())
+        let scenes = ["tetra:2".to_owned()];
+        Explain::new(&scenes, row, &measuring, 1, REGISTRY, &InstalledScenes)
+            .map_err(|e| e.to_string())
     }
 
     /// Their record, with ratios to the row of [`Explain`]'s baseline.
