@@ -1,22 +1,19 @@
 //! A run as a function, for programs in Rust.
 
+use std::io;
+
 use accel_core::occluders;
 use accel_core::structures::Entry;
 use measurement::plan::Plan;
-use measurement::record::summary::summarize;
-use measurement::record::{RunRecord, warnings};
-use measurement::rounds::scene_run::SceneInput;
+use measurement::record::RunRecord;
 use measurement::scenes::InstalledScenes;
 use measurement::settings::RunSettings;
-use measurement::system::clock::{Clock, SystemClock};
-use measurement::system::pools::Pools;
-use measurement::system::progress::Progress;
-use measurement::system::world::World;
-use studies::run::conclusions::conclude;
+use measurement::system::clock::SystemClock;
 
-use crate::commands::measuring::{begin, measure_one};
-use crate::commands::run_state::{Budget, RowJournal};
+use crate::commands::measuring::measure_quietly;
+use crate::context::Context;
 use crate::error::Error;
+use crate::outputs::Outputs;
 use crate::program;
 
 /// Measures what is asked for over the structures of a registry, in this process, and returns what
@@ -48,29 +45,12 @@ pub fn measure(registry: &[Entry], settings: &RunSettings) -> Result<RunRecord, 
     let settings = RunSettings { processes: 1, shard: None, ..settings.clone() };
     let plan = Plan::new(&settings, registry, occluders::REGISTRY, &InstalledScenes)?;
     let (clock, world) = (SystemClock::default(), program::world());
-    let command_line: Vec<String> =
-        std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect();
-    let mut record = begin(&world, &command_line, &plan);
-    let pools = Pools::new(plan.threads)?;
-    let equipment = SceneInput {
-        pools: &pools,
-        clock: &clock,
-        world: &world,
-        progress: &Progress::new(false, 0, None),
-        trials: &[],
-        log: &RowJournal::new(None),
-        laps: None,
+    let (mut out, mut err) = (io::sink(), io::sink());
+    let command_line = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
+    let mut context = Context {
+        command_line: command_line.collect(),
+        ..Context::new(registry, &InstalledScenes, &clock, &world, &mut out, &mut err)
     };
-    let budget = Budget::new(&plan, clock.now(), 0);
-    for (i, known) in plan.scenes.iter().enumerate() {
-        let deadline = budget.deadline(clock.now(), plan.scenes.len() - i);
-        record.scenes.push(measure_one(&plan, &**known, &equipment, deadline)?);
-    }
-    record.summary = summarize(&record.scenes, &record.settings);
-    conclude(&mut record);
-    record.complete = true;
-    record.load[1] = world.load();
-    record.peak_rss_bytes = world.peak_rss();
-    record.warnings = warnings::of(&record);
-    Ok(record)
+    let measured = measure_quietly(&mut context, &plan, Outputs::default())?;
+    measured.failures.into_iter().next().map_or(Ok(measured.record), Err)
 }

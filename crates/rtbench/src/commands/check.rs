@@ -161,7 +161,7 @@ impl Check<'_> {
         })?;
         let mut missing = Pairing::of(&whole, &now).missing();
         missing.extend(self.new_rows(context, &baseline.record));
-        Ok(self.report(context, &first, findings, missing, failures))
+        Ok(self.report(context, &first, findings, missing, failures.len()))
     }
 
     /// Two records that are there: nothing is measured.

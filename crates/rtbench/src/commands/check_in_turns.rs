@@ -91,7 +91,7 @@ impl Check<'_> {
             let times = Times::Paired { pairs: &again, looks };
             Ok((wall_clock::STAGE.judge)(&Evidence { times, ..untimed }))
         })?;
-        Ok(self.report(context, &evidence, findings, missing, failures))
+        Ok(self.report(context, &evidence, findings, missing, failures.len()))
     }
 
     /// One round of the rows of the baseline, or of those that were named.

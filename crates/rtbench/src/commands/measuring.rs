@@ -36,8 +36,8 @@ use studies::sweep::sizes;
 pub struct PlanResults {
     /// Everything about the scenes that could be measured.
     pub record: RunRecord,
-    /// Scenes that could not.
-    pub failures: usize,
+    /// Why others could not.
+    pub failures: Vec<Error>,
     /// Files or folders of results were removed while it went on, and made again.
     pub disturbed: bool,
 }
@@ -86,7 +86,7 @@ pub fn measure_rest(
                 Ok(scene) => run.keep(i, scene),
                 // One bad scene does not cost the others.
                 Err(error) => {
-                    run.keep_failure(i, &error)?;
+                    run.keep_failure(i, error)?;
                     continue;
                 }
             },
@@ -123,7 +123,7 @@ struct RunInProgress<'a, 'c> {
     record: RunRecord,
     /// The summary of the record is over all of its scenes.
     is_summed_up: bool,
-    failures: usize,
+    failures: Vec<Error>,
     disturbed: bool,
 }
 
@@ -149,7 +149,7 @@ impl<'a, 'c> RunInProgress<'a, 'c> {
             kept,
             record,
             is_summed_up: true,
-            failures: 0,
+            failures: Vec::new(),
             disturbed: false,
             context,
         })
@@ -214,12 +214,14 @@ impl<'a, 'c> RunInProgress<'a, 'c> {
         let share = self.budget.share(self.context.clock.now(), self.left + 1);
         let joined = processes.measure(own, &self.record, scene, share, &self.progress);
         let Err(error) = joined else { return };
-        // a missing A/A floor is not fatal
-        self.failures += usize::from(own.processes > 1);
         self.progress.suspend(|| match own.processes {
             1 => self.context.warn(&error),
             _ => self.context.error(&error),
         });
+        // a missing A/A floor is not fatal
+        if own.processes > 1 {
+            self.failures.push(error.into());
+        }
     }
 
     /// Keeps a scene in the journal, in the record and in the outputs. Returns whether results had
@@ -239,11 +241,11 @@ impl<'a, 'c> RunInProgress<'a, 'c> {
         appended.and_then(|()| self.write(false))
     }
 
-    fn keep_failure(&mut self, scene: usize, error: &Error) -> Result<(), Error> {
-        self.failures += 1;
+    fn keep_failure(&mut self, scene: usize, error: Error) -> Result<(), Error> {
         self.kept.append(|| Line::Failed { scene, error: error.to_string() })?;
         self.progress.reach(self.steps);
-        self.progress.suspend(|| self.context.error(error));
+        self.progress.suspend(|| self.context.error(&error));
+        self.failures.push(error);
         Ok(())
     }
 
@@ -326,7 +328,7 @@ pub fn exit_code(measured: &PlanResults) -> u8 {
     let rows = || measured.record.scenes.iter().flat_map(|s| &s.rows);
     if rows().any(|r| r.verdict == Verdict::Wrong) {
         WRONG_HITS
-    } else if measured.failures > 0
+    } else if !measured.failures.is_empty()
         || measured.disturbed
         || rows().any(|r| matches!(r.verdict, Verdict::Panicked | Verdict::OutOfMemory))
         || rows().any(|r| r.verdict == Verdict::NotBuilt && r.known_defect.is_none())

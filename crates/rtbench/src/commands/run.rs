@@ -233,5 +233,5 @@ pub fn merge(context: &mut Context<'_>, args: &MergeArgs) -> Result<u8, Error> {
     if !record.summary.is_empty() {
         output::write_end(context.out, &record, &view)?;
     }
-    Ok(exit_code(&PlanResults { record, failures: 0, disturbed: false }))
+    Ok(exit_code(&PlanResults { record, failures: Vec::new(), disturbed: false }))
 }
