@@ -221,20 +221,4 @@ mod tests {
         let limits = s.plan.build_limits.unwrap();
         assert_eq!((limits.seconds, limits.bytes), (120.0, 3 << 29));
     }
-
-    #[test]
-    fn scenes_without_the_sizes_are_refused_with_reasons() {
-        for (arguments, said) in [
-            ("kitchen --sizes 1e3", "does not come in sizes; those that do: balls"),
-            ("kitchn --sizes 1e3", "unknown scene"),
-            ("hare --sizes 1e3..1e9", "its sizes go from 8 to 19996488"),
-            ("balls --sizes 1", "the nearest size of balls has 11 primitives"),
-            ("hare --sizes 1e6..1e3", "is not below"),
-            ("hare --sizes 1e3 --max-memory 8", "8GiB"),
-            ("hare --sizes 1e3 -s unifrom-grid", "did you mean 'uniform-grid'?"),
-        ] {
-            let error = sizes(arguments).unwrap_err();
-            assert!(error.contains(said), "{arguments}: {error}");
-        }
-    }
 }

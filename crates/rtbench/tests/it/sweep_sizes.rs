@@ -277,14 +277,19 @@ fn a_child_that_is_not_rtbench_is_an_error() {
 #[test]
 fn scenes_without_the_sizes_are_usage_errors() {
     for (arguments, said) in [
-        ("kitchen --sizes 1e3", "those that do: balls, gears"),
-        ("hare --sizes 1e3..1e9", "its sizes go from 8"),
+        ("kitchen --sizes 1e3", "does not come in sizes; those that do: balls, gears"),
+        ("kitchn --sizes 1e3", "unknown scene"),
+        ("hare --sizes 1e3..1e9", "its sizes go from 8 to 19996488"),
+        ("balls --sizes 1", "the nearest size of balls has 11 primitives"),
+        ("hare --sizes 1e6..1e3", "is not below"),
         ("hare --sizes many", "1e3..1e7"),
         ("hare balls --sizes 1e3", "one generated scene"),
         ("hare --sizes 1e3 -s kd-tree -p max-leaf", "cannot be used with"),
         ("hare -s kd-tree,octree -p max-leaf --values 1", "one structure"),
         ("hare --sizes 1e3 -s light-buffer --rays primary", "answers shadow rays only"),
+        ("hare --sizes 1e3 -s unifrom-grid", "did you mean 'uniform-grid'?"),
         ("hare --sizes 1e3 --max-memory lots", "8GiB"),
+        ("hare --sizes 1e3 --max-memory 8", "8GiB"),
     ] {
         let ended = run(&format!("sweep {arguments}"));
         assert_eq!((ended.code, ended.out.as_str()), (2, ""), "{arguments}: {}", ended.err);
