@@ -288,7 +288,9 @@ impl<S: Buildable> Work for Replay<'_, S> {
     }
 
     fn fingerprint(&self) -> u64 {
-        fingerprint(&self.answers)
+        let mut hasher = DefaultHasher::new();
+        self.answers.iter().for_each(|answers| answers.bytes().hash(&mut hasher));
+        hasher.finish()
     }
 }
 
@@ -311,20 +313,6 @@ pub fn compare<S: Scalar, E: Scalar>(
         }
     }
     tally
-}
-
-/// A number that changes with any of the answers.
-fn fingerprint<S: Scalar>(answers: &[Answers<S>]) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    for answers in answers {
-        match answers {
-            Answers::Hits(hits) => {
-                hits.iter().for_each(|h| (h.id, h.t.to_f64().to_bits()).hash(&mut hasher));
-            }
-            Answers::Blocked(blocked) => blocked.hash(&mut hasher),
-        }
-    }
-    hasher.finish()
 }
 
 pub trait Work {
