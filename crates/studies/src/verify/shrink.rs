@@ -7,7 +7,7 @@
 use std::cell::Cell;
 
 use accel_core::registry::Buildable;
-use accel_core::{Hit, Ray, Vector};
+use accel_core::{Hit, Ray};
 use glam::DVec3;
 
 use super::judge::{Difference, Judge, Mismatch, RoundVerdict};
@@ -75,7 +75,7 @@ fn reduced<S: Buildable>(
     let kind = first.difference;
     rays = minimal(rays, |some| search.fails(&triangles, some, kind));
     triangles = minimal(triangles, |some| search.fails(some, &rays, kind));
-    (triangles, rays) = search.simplified(triangles, rays, kind);
+    search.simplify(&mut triangles, &mut rays, kind);
     triangles = minimal(triangles, |some| search.fails(some, &rays, kind));
     let what = wrong::<S>(&triangles, &rays, subject)?.what;
     let right = Judge::new(&round_of::<S>(&triangles, &rays)?).ok()?.right();
@@ -108,34 +108,27 @@ impl Search<'_> {
         self.failure(triangles, rays).is_some_and(|found| found.difference == kind)
     }
 
-    /// The same with shorter numbers where that fails as well.
-    fn simplified(
-        &self,
-        triangles: Vec<Corners>,
-        rays: Vec<Ray<f64>>,
-        kind: Option<Difference>,
-    ) -> (Vec<Corners>, Vec<Ray<f64>>) {
-        let (count, most_flat) = (triangles.len(), flat(&triangles));
-        let mut numbers = numbers_of(&triangles, &rays);
+    /// Makes numbers shorter where the scene fails as well.
+    fn simplify(&self, triangles: &mut [Corners], rays: &mut [Ray<f64>], kind: Option<Difference>) {
+        let (of_triangles, most_flat) = (PER_TRIANGLE * triangles.len(), flat(triangles));
         let mut is_changed = true;
         while is_changed {
             is_changed = false;
-            for i in (0..numbers.len()).rev() {
-                let is_end = i >= PER_TRIANGLE * count && (i - PER_TRIANGLE * count) % PER_RAY == 7;
-                for shorter in shorter(numbers[i], is_end) {
-                    let before = std::mem::replace(&mut numbers[i], shorter);
-                    let (triangles, rays) = scene_of(&numbers, count);
+            for i in (0..of_triangles + PER_RAY * rays.len()).rev() {
+                let is_end = i >= of_triangles && (i - of_triangles) % PER_RAY == 7;
+                let before = *number(triangles, rays, i);
+                for shorter in shorter(before, is_end) {
+                    *number(triangles, rays, i) = shorter;
                     // another fault may begin where triangles have no area
-                    let is_flat = flat(&triangles) > most_flat;
-                    if !is_flat && self.fails(&triangles, &rays, kind) {
+                    let is_flat = flat(triangles) > most_flat;
+                    if !is_flat && self.fails(triangles, rays, kind) {
                         is_changed = true;
                         break;
                     }
-                    numbers[i] = before;
+                    *number(triangles, rays, i) = before;
                 }
             }
         }
-        scene_of(&numbers, count)
     }
 }
 
@@ -160,24 +153,19 @@ fn minimal<T: Clone>(mut items: Vec<T>, fails: impl Fn(&[T]) -> bool) -> Vec<T> 
     items
 }
 
-fn numbers_of(triangles: &[Corners], rays: &[Ray<f64>]) -> Vec<f64> {
-    let corners = triangles.as_flattened().iter().flat_map(|p| p.to_array());
-    let of_ray = |ray: &Ray<f64>| {
-        let ([x, y, z], [a, b, c]) = (ray.origin.to_array(), ray.direction.to_array());
-        [x, y, z, ray.t_min, a, b, c, ray.t_max]
-    };
-    corners.chain(rays.iter().flat_map(of_ray)).collect()
-}
-
-fn scene_of(numbers: &[f64], triangles: usize) -> (Vec<Corners>, Vec<Ray<f64>>) {
-    let (corners, rays) = numbers.split_at(PER_TRIANGLE * triangles);
-    let corners = corners.chunks_exact(PER_TRIANGLE);
-    let corners = corners.map(|c| [0, 3, 6].map(|i| DVec3::from_slice(&c[i..])));
-    let rays = rays.chunks_exact(PER_RAY).map(|r| {
-        let ray = Ray::new(DVec3::from_slice(r), DVec3::from_slice(&r[4..]));
-        Ray { t_min: r[3], t_max: r[7], ..ray }
-    });
-    (corners.collect(), rays.collect())
+/// Number `i` of a scene: those of all triangles, then those of all rays.
+fn number<'a>(triangles: &'a mut [Corners], rays: &'a mut [Ray<f64>], i: usize) -> &'a mut f64 {
+    let of_triangles = PER_TRIANGLE * triangles.len();
+    if i < of_triangles {
+        return &mut triangles.as_flattened_mut()[i / 3][i % 3];
+    }
+    let (ray, i) = ((i - of_triangles) / PER_RAY, (i - of_triangles) % PER_RAY);
+    match i {
+        0..3 => &mut rays[ray].origin[i],
+        3 => &mut rays[ray].t_min,
+        4..7 => &mut rays[ray].direction[i - 4],
+        _ => &mut rays[ray].t_max,
+    }
 }
 
 fn flat(triangles: &[Corners]) -> usize {
@@ -266,12 +254,13 @@ mod tests {
     }
 
     #[test]
-    fn scenes_come_back_from_their_numbers() {
-        let triangles = vec![[DVec3::X, DVec3::Y, DVec3::Z]];
-        let rays = vec![Ray { t_max: 3.0, ..Ray::new(DVec3::ONE, DVec3::NEG_X) }];
-        let numbers = numbers_of(&triangles, &rays);
-        assert_eq!(flat(&triangles), 0);
-        assert_eq!(scene_of(&numbers, 1), (triangles, rays));
+    fn every_number_of_a_scene_has_its_place() {
+        let (mut triangles, mut rays) = ([[DVec3::ONE; 3]; 2], [Ray::new(DVec3::ONE, DVec3::X)]);
+        (0..26).for_each(|i| *number(&mut triangles, &mut rays, i) = i as f64);
+        assert_eq!(triangles[1].map(|p| p.x), [9.0, 12.0, 15.0]);
+        let ray = Ray::new(DVec3::new(18.0, 19.0, 20.0), DVec3::new(22.0, 23.0, 24.0));
+        assert_eq!(rays, [Ray { t_min: 21.0, t_max: 25.0, ..ray }]);
+        assert_eq!(flat(&[[DVec3::X, DVec3::Y, DVec3::Z]]), 0);
         assert_eq!(flat(&[[DVec3::X, DVec3::X * 2.0, DVec3::X * 5.0]]), 1);
     }
 }
