@@ -164,7 +164,7 @@ mod tests {
     use crate::surface::Surfaces;
     use accel_core::primitives::{MoellerTrumbore, TriangleTest, Watertight};
     use glam::dvec3;
-    use scene_loading::{Material, Scene};
+    use scene_loading::Scene;
 
     /// Rays off slivers of sides of 1 by 10^-2 to 10^-4: how many hit what they leave.
     fn off_slivers<S: Buildable, T: TriangleTest<S>>(rule: OffsetRule) -> u32 {
@@ -180,8 +180,7 @@ mod tests {
             let (a, along, aside) = (point(), point().normalize(), point());
             let thin = 10.0_f64.powf(-2.0 - 2.0 * random());
             let corners = [a, a + along, a + along * random() + aside * thin].map(rounded);
-            let mut scene = Scene::new("sliver");
-            let material = scene.push_material(Material::default());
+            let (mut scene, material) = Scene::of_one_material("sliver");
             scene.push_triangle(material, corners.map(Vector::to_dvec3));
             let surfaces = Surfaces::new(&scene, false);
             let [a, b, c] = corners.map(Vector::to_dvec3);

@@ -271,8 +271,7 @@ mod tests {
 
     #[test]
     fn cone_normals_right_and_historical() {
-        let mut scene = Scene::new("cone");
-        let m = scene.push_material(Material::default());
+        let (mut scene, m) = Scene::of_one_material("cone");
         let (base, apex) = (DVec3::ZERO, DVec3::Z * 4.0);
         scene.push_cone(m, Cone { base, base_radius: 2.0, apex, apex_radius: 1.0 });
         let p = DVec3::new(1.5, 0.0, 2.0);
@@ -285,8 +284,7 @@ mod tests {
 
     #[test]
     fn the_refined_hit_is_on_the_surface_and_the_normal_stands_on_it() {
-        let mut scene = Scene::new("kinds");
-        let m = scene.push_material(Material::default());
+        let (mut scene, m) = Scene::of_one_material("kinds");
         scene.push_sphere(m, dvec3(5.0, 0.0, 0.0), 2.0);
         let cone =
             Cone { base: DVec3::ZERO, base_radius: 2.0, apex: DVec3::Z * 4.0, apex_radius: 1.0 };

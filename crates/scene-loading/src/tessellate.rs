@@ -211,7 +211,6 @@ fn unit_sphere(n: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
 mod tests {
     use super::*;
     use crate::procedural::generate;
-    use crate::scene::Material;
 
     fn tessellated(spec: &str, resolution: u32) -> Scene {
         tessellate(&generate(spec).unwrap(), &TessellationOptions { resolution }).unwrap()
@@ -266,8 +265,7 @@ mod tests {
 
     #[test]
     fn spheres_are_closed_and_face_outward() {
-        let mut scene = Scene::new("ball");
-        let material = scene.push_material(Material::default());
+        let (mut scene, material) = Scene::of_one_material("ball");
         let center = DVec3::new(1.0, 2.0, 3.0);
         scene.push_sphere(material, center, 2.0);
         for n in [1, 2, 3, 7] {
@@ -295,8 +293,7 @@ mod tests {
         for (base_radius, apex_radius, per_segment) in
             [(0.5, 0.25, 2), (0.5, 0.5, 2), (0.5, 0.0, 1), (0.0, 0.5, 1), (-0.5, -0.25, 2)]
         {
-            let mut scene = Scene::new("cone");
-            let material = scene.push_material(Material::default());
+            let (mut scene, material) = Scene::of_one_material("cone");
             scene.push_cone(material, Cone { base, base_radius, apex, apex_radius });
             let cut = tessellate(&scene, &TessellationOptions { resolution: 3 }).unwrap();
             assert_eq!(cut.primitives.len(), 12 * per_segment);
@@ -313,8 +310,7 @@ mod tests {
 
     #[test]
     fn shapes_without_area_are_left_out_with_a_warning() {
-        let mut scene = Scene::new("odd");
-        let material = scene.push_material(Material::default());
+        let (mut scene, material) = Scene::of_one_material("odd");
         scene.push_sphere(material, DVec3::ZERO, 0.0);
         let point = Cone { base: DVec3::ONE, base_radius: 1.0, apex: DVec3::ONE, apex_radius: 1.0 };
         scene.push_cone(material, point);

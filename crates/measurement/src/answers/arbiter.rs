@@ -130,15 +130,14 @@ mod tests {
 
     use accel_core::Hit;
     use glam::{Vec3, dvec3};
-    use scene_loading::{Material, Scene};
+    use scene_loading::Scene;
 
     use super::*;
     use crate::rays::order::RayOrder;
 
     /// A floor of 100 x 100 in two triangles.
     fn floor() -> Scene {
-        let mut scene = Scene::new("floor");
-        let m = scene.push_material(Material::default());
+        let (mut scene, m) = Scene::of_one_material("floor");
         let [a, b] = [dvec3(-50.0, -50.0, 0.0), dvec3(50.0, 50.0, 0.0)];
         scene.push_triangle(m, [b, dvec3(-50.0, 50.0, 0.0), a]);
         scene.push_triangle(m, [a, dvec3(50.0, -50.0, 0.0), b]);

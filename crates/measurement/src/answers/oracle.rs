@@ -235,13 +235,12 @@ impl<'a> Oracle<'a> {
 #[cfg(test)]
 pub(super) mod tests {
     use glam::{Vec3, dvec3};
-    use scene_loading::{Material, Scene};
+    use scene_loading::Scene;
 
     use super::*;
 
     pub(in crate::answers) fn two_triangles() -> Geometry<f64> {
-        let mut scene = Scene::new("two");
-        let m = scene.push_material(Material::default());
+        let (mut scene, m) = Scene::of_one_material("two");
         // A unit square in z = 0, split along its diagonal, and a copy of the first half behind.
         scene.push_triangle(m, [dvec3(0., 0., 0.), dvec3(1., 0., 0.), dvec3(1., 1., 0.)]);
         scene.push_triangle(m, [dvec3(0., 0., 0.), dvec3(1., 1., 0.), dvec3(0., 1., 0.)]);

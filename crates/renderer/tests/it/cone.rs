@@ -88,8 +88,7 @@ fn thin_cones_hit_what_rays_hit() {
 
 /// Primitives of every kind and size, many around the origin.
 fn shapes(random: &mut Random) -> Scene {
-    let mut scene = Scene::new("shapes");
-    let m = scene.push_material(Material::default());
+    let (mut scene, m) = Scene::of_one_material("shapes");
     for _ in 0..12 {
         let at = random.point(3.0);
         let size = random.size(3.0, 1.0);
@@ -154,8 +153,7 @@ fn coverage_stays_within_its_bounds() {
 #[test]
 fn the_triangles_of_a_mesh_cover_a_cone_exactly_once() {
     let mut random = Random(3);
-    let mut scene = Scene::new("hills");
-    let m = scene.push_material(Material::default());
+    let (mut scene, m) = Scene::of_one_material("hills");
     let n = 12;
     let corners: Vec<DVec3> = (0..(n + 1) * (n + 1))
         .map(|i| dvec3(f64::from(i % (n + 1)), f64::from(i / (n + 1)), 0.0) + random.point(0.15))

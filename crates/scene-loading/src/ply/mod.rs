@@ -24,7 +24,7 @@ use crate::ply::header::{Element, Encoding, Header, Kind, Property, Scalar, pars
 use crate::ply::values::{Binary, Text, Values};
 use crate::polygon::ear_clipping::MAX_CORNERS;
 use crate::progress;
-use crate::scene::{Material, Scene, index};
+use crate::scene::{Scene, index};
 
 /// Names of the list of a face's corners.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
@@ -37,8 +37,7 @@ const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 /// [`LoadError::Syntax`], [`LoadError::UnexpectedEnd`], [`LoadError::OutOfRange`],
 /// [`LoadError::CountTooLarge`], [`LoadError::IndexOutOfRange`], [`LoadError::NoPrimitives`].
 pub fn parse_ply(path: &Path, bytes: &[u8], triangulate: bool) -> Result<Scene, LoadError> {
-    let mut scene = Scene::new(scene_name(path));
-    let material = scene.push_material(Material::default());
+    let (mut scene, material) = Scene::of_one_material(scene_name(path));
     add_ply(path, bytes, triangulate, material, &mut scene)?;
     if scene.primitives.is_empty() {
         let expected = "face with an area (is the file a point cloud?)";

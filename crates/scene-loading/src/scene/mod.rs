@@ -175,6 +175,13 @@ impl Scene {
         Self { name: name.into(), ..Self::default() }
     }
 
+    /// The same with the default material, and the index of that.
+    pub fn of_one_material(name: impl Into<String>) -> (Self, u32) {
+        let mut scene = Self::new(name);
+        let material = scene.push_material(Material::default());
+        (scene, material)
+    }
+
     /// Adds a material and returns its index.
     pub fn push_material(&mut self, material: Material) -> u32 {
         self.materials.push(material);

@@ -11,7 +11,7 @@ use scene_loading::obj::{ObjOptions, parse_materials, parse_obj};
 use scene_loading::scene_file::SceneFile;
 use scene_loading::second_opinion::{SecondOpinion, second_opinion};
 use scene_loading::tessellate::{TessellationOptions, tessellate, triangulate};
-use scene_loading::{LoadError, Material, Scene, Shape};
+use scene_loading::{LoadError, Scene, Shape};
 
 use crate::gltf_file::File;
 use crate::{folder, resolved, warnings};
@@ -123,8 +123,7 @@ fn h2_a_polygon_beyond_the_limits_is_refused_with_file_and_line() {
     let nff = format!("{NFF}p {corners}\n{}", "0 0 0\n".repeat(10));
     let error = parse_nff(Path::new("a.nff"), &nff).unwrap_err().to_string();
     assert!(error.starts_with("a.nff:9: the vertex count of a polygon is 4194305"), "{error}");
-    let mut scene = Scene::new("a");
-    let material = scene.push_material(Material::default());
+    let (mut scene, material) = Scene::of_one_material("a");
     scene.push_polygon(material, &vec![DVec3::ZERO; corners]);
     let error = tessellate(&scene, &TessellationOptions::default()).unwrap_err().to_string();
     assert!(error.starts_with("primitive 0 is a polygon of 4194305 corners"), "{error}");

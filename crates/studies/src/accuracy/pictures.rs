@@ -95,8 +95,7 @@ fn over<R>(
 }
 
 fn leak(registry: &[Entry]) -> Result<Image, StudyError> {
-    let mut scene = Scene::new("a ball of triangles");
-    let material = scene.push_material(Material::default());
+    let (mut scene, material) = Scene::of_one_material("a ball of triangles");
     let mesh = icosphere(3, DVec3::ZERO);
     mesh.iter().for_each(|corners| scene.push_triangle(material, *corners));
     let half = |test: &str| {

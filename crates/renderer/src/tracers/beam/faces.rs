@@ -132,11 +132,9 @@ fn is_convex(outline: &[DVec3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use scene_loading::Material;
 
     fn polygon(corners: &[[f64; 2]]) -> Scene {
-        let mut scene = Scene::new("polygon");
-        let m = scene.push_material(Material::default());
+        let (mut scene, m) = Scene::of_one_material("polygon");
         let corners: Vec<DVec3> = corners.iter().map(|&[x, z]| DVec3::new(x, 2.0, z)).collect();
         scene.push_polygon(m, &corners);
         scene

@@ -122,7 +122,7 @@ fn mean(a: f64, b: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::surface::{reflect, refract};
-    use scene_loading::{Material, Scene};
+    use scene_loading::Scene;
 
     /// Spreads by rays: how directions change across the footprint of a narrow cone that meets the
     /// unit sphere at the angle `a`.
@@ -146,8 +146,7 @@ mod tests {
     }
 
     fn measured(a: f64, spread: f64) -> Incidence {
-        let mut scene = Scene::new("ball");
-        let m = scene.push_material(Material::default());
+        let (mut scene, m) = Scene::of_one_material("ball");
         scene.push_sphere(m, DVec3::ZERO, 1.0);
         let surfaces = Surfaces::new(&scene, false);
         let direction = DVec3::new(a.sin(), 0.0, -a.cos());

@@ -124,13 +124,12 @@ mod tests {
     use crate::verify::subject::with_brute_force;
     use glam::dvec3;
     use renderer::surface::Surfaces;
-    use scene_loading::{Material, Scene};
+    use scene_loading::Scene;
 
     /// A pane of glass from z = 0 to z = -1, entered at the origin at 45 degrees: planted offsets
     /// into it, and what they make of the exit.
     fn through_a_pane(offset: f64, gap: f64) -> (Shifts, f64) {
-        let mut scene = Scene::new("pane");
-        let material = scene.push_material(Material::default());
+        let (mut scene, material) = Scene::of_one_material("pane");
         for z in [0.0, -1.0] {
             let corners = [(-9.0, -9.0), (9.0, -9.0), (0.0, 9.0)];
             scene.push_triangle(material, corners.map(|(x, y)| dvec3(x, y, z)));

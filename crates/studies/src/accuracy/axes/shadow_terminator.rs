@@ -142,13 +142,12 @@ mod tests {
     use glam::dvec3;
     use measurement::system::clock::SystemClock;
     use renderer::RaySettings;
-    use scene_loading::{Camera, Light, Material};
+    use scene_loading::{Camera, Light};
 
     /// A coarse ball, smoothly shaded, lit from the side: what of its lit shading is blocked, and
     /// what faces away.
     fn on_a_ball(rule: OffsetRule) -> (Vec<FirstBlocker>, Vec<bool>) {
-        let mut scene = Scene::new("coarse ball");
-        let material = scene.push_material(Material::default());
+        let (mut scene, material) = Scene::of_one_material("coarse ball");
         for corners in icosphere(2, DVec3::ZERO) {
             scene.push_patch(material, corners, corners.map(DVec3::normalize));
         }
@@ -201,8 +200,7 @@ mod tests {
 
     #[test]
     fn meshes_are_what_shares_corners() {
-        let mut scene = Scene::new("two meshes and a ball");
-        let material = scene.push_material(Material::default());
+        let (mut scene, material) = Scene::of_one_material("two meshes and a ball");
         scene.push_triangle(material, [DVec3::ZERO, DVec3::X, DVec3::Y]);
         scene.push_triangle(material, [DVec3::X * 2.0, DVec3::X * 3.0, DVec3::Y * 2.0]);
         scene.push_sphere(material, DVec3::ZERO, 1.0);

@@ -158,14 +158,13 @@ mod tests {
     use crate::verify::draw::{direction, unit as random_unit};
     use glam::dvec3;
     use renderer::surface::Surfaces;
-    use scene_loading::{Material, Scene};
+    use scene_loading::Scene;
     use statistics::random::Random;
 
     /// Slanted triangles far from the origin, and rays off them.
     fn drawn(ask: impl FnOnce(PrimsRef<'_, f32>, &[(u32, RefinedHit, DVec3)])) {
         let mut random = Random::new(3, "smallest offsets");
-        let mut scene = Scene::new("slanted");
-        let material = scene.push_material(Material::default());
+        let (mut scene, material) = Scene::of_one_material("slanted");
         for _ in 0..200 {
             let at = direction(&mut random) * 40.0;
             let corners = [(); 3].map(|()| at + direction(&mut random) * 3.0);
@@ -225,8 +224,7 @@ mod tests {
 
     #[test]
     fn false_hits_are_refuted() {
-        let mut scene = Scene::new("floor");
-        let material = scene.push_material(Material::default());
+        let (mut scene, material) = Scene::of_one_material("floor");
         scene.push_triangle(material, [DVec3::ZERO, DVec3::X, DVec3::Y]);
         let geometry = Geometry::<f64>::of(&scene).unwrap();
         let exact = geometry.prims();
@@ -242,8 +240,7 @@ mod tests {
 
     #[test]
     fn spheres_are_left_outwards() {
-        let mut scene = Scene::new("ball");
-        let material = scene.push_material(Material::default());
+        let (mut scene, material) = Scene::of_one_material("ball");
         scene.push_sphere(material, dvec3(30.0, -7.0, 11.0), 2.0);
         let geometry = Geometry::<f32>::of(&scene).unwrap();
         let own = geometry.prims();

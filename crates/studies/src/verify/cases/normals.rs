@@ -1,6 +1,6 @@
 //! Normals of hit points, as the renderer has them, in closed form.
 
-use scene_loading::{Cone, Material, Scene};
+use scene_loading::{Cone, Scene};
 
 use super::secondary::from_hits;
 use super::*;
@@ -31,8 +31,7 @@ impl KnownNormals {
 
 pub fn normals<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let at = point(random) * one_of(random, &[0.0, 1.0, 100.0]);
-    let mut scene = Scene::new("normals");
-    let material = scene.push_material(Material::default());
+    let (mut scene, material) = Scene::of_one_material("normals");
     // the smallest radius of curvature
     let (known, radius) = match random.below(3) {
         0 => {

@@ -5,7 +5,7 @@
 
 use renderer::ray_offset::{OffsetRule, RayOffset};
 use renderer::surface::{SurfacePoint, Surfaces};
-use scene_loading::{Cone, Material, Scene};
+use scene_loading::{Cone, Scene};
 
 use super::*;
 use crate::verify::subject::with_brute_force;
@@ -35,8 +35,7 @@ pub fn from_a_shape<S: Buildable>(
 ) -> RoundResult<S> {
     let size = 10.0_f64.powf(unit(random) * 16.0 - 8.0);
     let at = point(random) * size * one_of(random, &[0.0, 1.0, 10.0, 1000.0]);
-    let mut scene = Scene::new("a shape");
-    let material = scene.push_material(Material::default());
+    let (mut scene, material) = Scene::of_one_material("a shape");
     match random.below(4) {
         0 => {
             let [a, b] = [(); 2].map(|()| at + point(random) * size);
@@ -72,8 +71,7 @@ pub fn from_far_away<S: Buildable>(
     let size: f64 = one_of(random, &[1e-3, 1.0, 1e3]);
     let away = one_of(random, &[0.0, 1.0, 10.0, 1e2, 1e3, 1e4, 1e5, 1e6]);
     let at = direction(random) * size * away;
-    let mut scene = Scene::new("far away");
-    let material = scene.push_material(Material::default());
+    let (mut scene, material) = Scene::of_one_material("far away");
     if random.below(2) == 0 {
         scene.push_sphere(material, at, size);
     } else {
@@ -127,8 +125,7 @@ pub fn between_planes<S: Buildable>(
     let half: f64 = one_of(random, &[1.0, 10.0, 100.0]);
     let turn = one_of(random, &[0, 1, 2]);
     let turned = |p: DVec3| DVec3::from(turned(p.to_array(), turn));
-    let mut scene = Scene::new("two planes");
-    let material = scene.push_material(Material::default());
+    let (mut scene, material) = Scene::of_one_material("two planes");
     for (height, reach) in [(0.0, half), (GAP, half * 2.0)] {
         let corner = |x: f64, z: f64| turned(dvec3(x * reach, height, z * reach));
         let [a, b, c, d] = [corner(-1., -1.), corner(1., -1.), corner(1., 1.), corner(-1., 1.)];
@@ -162,8 +159,7 @@ pub fn under_a_ball<S: Buildable>(
     rule: OffsetRule,
 ) -> RoundResult<S> {
     let radius: f64 = one_of(random, &[0.01, 1.0, 100.0]);
-    let mut scene = Scene::new("a ball on a plane");
-    let material = scene.push_material(Material::default());
+    let (mut scene, material) = Scene::of_one_material("a ball on a plane");
     let far = radius * 8.0;
     let [a, b, c] =
         [dvec3(-far, 0.0, -far), dvec3(far * 3.0, 0.0, -far), dvec3(-far, 0.0, far * 3.0)];
@@ -212,8 +208,7 @@ pub fn to_a_light_on_a_surface<S: Buildable>(
 ) -> RoundResult<S> {
     let size: f64 = one_of(random, &[1e-6, 1.0, 1e6]);
     let at = point(random) * size * one_of(random, &[0.0, 1.0, 100.0]);
-    let mut scene = Scene::new("a light on a ceiling");
-    let material = scene.push_material(Material::default());
+    let (mut scene, material) = Scene::of_one_material("a light on a ceiling");
     let floor = [(); 3].map(|()| point(random).with_y(0.0) * 2.0);
     // no sliver: where a ray meets one is uncertain by more than the margin at a target
     let ceiling = [dvec3(-1.0, 1.0, -1.0), dvec3(1.2, 1.0, -0.8), dvec3(0.1, 1.0, 1.0)]
@@ -275,8 +270,7 @@ pub fn shells<S: Buildable>(random: &mut Random, rays: usize, rule: OffsetRule) 
     const A_HIT: usize = 8;
     let apart = (1.0 + 11.0 * unit(random)).exp2().round();
     let gap = apart * S::EPSILON.to_f64();
-    let mut scene = Scene::new("shells");
-    let material = scene.push_material(Material::default());
+    let (mut scene, material) = Scene::of_one_material("shells");
     // the inner one first, and last: ids are no order of radii
     let radii = if random.below(2) == 0 { [1.0, 1.0 + gap] } else { [1.0 + gap, 1.0] };
     radii.iter().for_each(|radius| scene.push_sphere(material, DVec3::ZERO, *radius));
