@@ -4,11 +4,12 @@
 use std::collections::BTreeMap;
 
 use accel_core::Hit;
-use accel_core::params::ParamError;
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::structure::{BuildError, StructureStats};
-use accel_core::structures::{Entry, find};
+use accel_core::structures::REGISTRY;
+use measurement::plan::error::PlanError;
+use measurement::plan::rows::Row;
 use renderer::{Geometry, GeometryError, RayBatches, RayKind, RaySettings, generate_rays};
 use scene_loading::Scene;
 use scene_loading::procedural::{SpecError, generate_as_printed};
@@ -91,9 +92,7 @@ pub enum ReproduceError {
     #[error(transparent)]
     Build(#[from] BuildError),
     #[error(transparent)]
-    Param(#[from] ParamError),
-    #[error("structure '{0}' is not in the registry")]
-    Missing(&'static str),
+    Plan(#[from] PlanError),
 }
 
 /// Counters in the paper's symbols.
@@ -135,7 +134,7 @@ impl PublishedScene {
         let geometry = Geometry::<f64>::of(&scene)?;
         let rays = {
             // any right structure gives the same rays; a fast one is taken
-            let tracer = build("uniform-grid", &geometry, [("density", "8")])?;
+            let tracer = build("uniform-grid:density=8", &geometry)?;
             generate_rays(&scene, tracer.as_ref(), &RaySettings::published())
         };
         Ok(Self { geometry, rays, lights: scene.lights.len() })
@@ -193,20 +192,15 @@ impl PublishedScene {
     }
 }
 
-pub(crate) fn registered(name: &'static str) -> Result<&'static Entry, ReproduceError> {
-    find(name).ok_or(ReproduceError::Missing(name))
-}
-
 pub(super) type BuiltTracer<'g> = Box<dyn Tracer<f64> + 'g>;
 
-/// The registered structure of that name with these settings.
-pub(super) fn build<'g, 's>(
-    name: &'static str,
+/// Builds a structure with its settings, as `uniform-grid:density=8`.
+pub(super) fn build<'g>(
+    row: &str,
     geometry: &'g Geometry<f64>,
-    settings: impl IntoIterator<Item = (&'s str, &'s str)>,
 ) -> Result<BuiltTracer<'g>, ReproduceError> {
-    let entry = registered(name)?;
-    Ok(entry.build(geometry.prims(), &entry.params(settings)?)?)
+    let row = Row::parse(REGISTRY, row)?;
+    Ok(row.entry.build(geometry.prims(), &row.params)?)
 }
 
 /// The counters of what was built in the paper's symbols.

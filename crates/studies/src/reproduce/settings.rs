@@ -19,25 +19,23 @@ use accel_core::query::counters::NoCounters;
 use accel_core::query::sink::ClosestHit;
 use accel_core::query::tracer::{Bound, ShadowRule};
 use accel_core::structure::{Structure, StructureStats};
+use accel_core::structures::REGISTRY;
 use accel_core::structures::adaptive_grid::AdaptiveGrid;
 use renderer::{Geometry, RayKind};
 
 use crate::reproduce::published::{
     BuiltTracer, Counted, PublishedScene, ReproduceError, SceneWork, Setting, build, grid_counters,
-    registered,
 };
+use measurement::plan::rows::Row;
 
 /// Builds the uniform grid at the published resolution and counts.
 pub(super) fn count_uniform(
     scene: &PublishedScene,
     resolution: Option<&str>,
 ) -> Result<SceneWork, ReproduceError> {
-    let settings = [
-        ("resolution", resolution.unwrap_or("heterogeneous")),
-        ("boxes", "historical"),
-        ("order", "reverse"),
-    ];
-    let tracer = build("uniform-grid", &scene.geometry, settings)?;
+    let resolution = resolution.unwrap_or("heterogeneous");
+    let row = format!("uniform-grid:resolution={resolution}:boxes=historical:order=reverse");
+    let tracer = build(&row, &scene.geometry)?;
     Ok(scene.count(tracer.as_ref(), ShadowRule::Historical))
 }
 
@@ -46,42 +44,35 @@ pub(super) fn uniform(scene: &PublishedScene, setting: &Setting) -> Counted {
     Ok(grid_counters(scene, &work))
 }
 
+/// The values of a published setting like `HNG=2 HCN=0`, which has these names in this order.
+fn values<'p, const N: usize>(
+    params: &'p str,
+    names: [&str; N],
+) -> Result<[&'p str; N], ReproduceError> {
+    let value = |(i, word): (usize, &'p str)| word.strip_prefix(*names.get(i)?);
+    let values: Option<Vec<&str>> = params.split_whitespace().enumerate().map(value).collect();
+    let values = values.and_then(|values| values.try_into().ok());
+    values.ok_or_else(|| ReproduceError::UnknownSetting(params.to_owned()))
+}
+
 /// Builds the recursive grid that `params` names, as `RMD=3 RHT=+`.
 fn build_recursive<'g>(
     geometry: &'g Geometry<f64>,
     params: &str,
 ) -> Result<BuiltTracer<'g>, ReproduceError> {
-    let of = |name| params.split_whitespace().find_map(|word| word.strip_prefix(name));
-    let rule = if of("RHT=") == Some("+") { "heterogeneous" } else { "cube-root" };
-    let settings = [
-        ("max-depth", of("RMD=").unwrap_or("2")),
-        ("resolution", rule),
-        ("top-density", "1"),
-        ("density", "1"),
-        ("threshold", "8"),
-        ("max-growth", "1e9"),
-        ("boxes", "historical"),
-    ];
-    build("recursive-grid", geometry, settings)
+    let [depth, rule] = values(params, ["RMD=", "RHT="])?;
+    let rule = if rule == "+" { "heterogeneous" } else { "cube-root" };
+    let row = format!(
+        "recursive-grid:max-depth={depth}:resolution={rule}:top-density=1:density=1:threshold=8:\
+         max-growth=1e9:boxes=historical"
+    );
+    build(&row, geometry)
 }
 
 pub(super) fn recursive(scene: &PublishedScene, setting: &Setting) -> Counted {
     let tracer = build_recursive(&scene.geometry, setting.params)?;
     let work = scene.count(tracer.as_ref(), ShadowRule::HistoricalInCell);
     Ok(grid_counters(scene, &work))
-}
-
-/// Settings that are the same for all published ones, and what `own` makes of the words of one.
-fn settings<'p>(
-    params: &'p str,
-    same: &[(&'p str, &'p str)],
-    own: impl Fn(&'p str, &'p str) -> Option<(&'p str, &'p str)>,
-) -> Result<Vec<(&'p str, &'p str)>, ReproduceError> {
-    let words = params.split_whitespace().map(|word| {
-        let setting = word.split_once('=').and_then(|(name, value)| own(name, value));
-        setting.ok_or_else(|| ReproduceError::UnknownSetting(params.to_owned()))
-    });
-    same.iter().copied().map(Ok).chain(words).collect()
 }
 
 pub(super) fn hug(scene: &PublishedScene, setting: &Setting) -> Counted {
@@ -105,14 +96,11 @@ fn build_hug<'g>(
     params: &str,
     root_objects: usize,
 ) -> Result<BuiltTracer<'g>, ReproduceError> {
-    let root_objects = root_objects.to_string();
-    let same = [("boxes", "historical"), ("root-objects", root_objects.as_str())];
-    let settings = settings(params, &same, |name, value| match name {
-        "HNG" => Some(("size-classes", value)),
-        "HCN" => Some(("gap", value)),
-        _ => None,
-    })?;
-    build("hug", geometry, settings)
+    let [classes, gap] = values(params, ["HNG=", "HCN="])?;
+    let row = format!(
+        "hug:boxes=historical:root-objects={root_objects}:size-classes={classes}:gap={gap}"
+    );
+    build(&row, geometry)
 }
 
 /// If we and the paper have one grid over all primitives, but of different sizes: the grid with the
@@ -141,20 +129,23 @@ fn sized_as_published<'g>(
     Ok(None)
 }
 
-/// The settings of `adaptive-grid` for a published one like `f=1.5 m=0.1 o=-`.
-fn adaptive_settings(params: &str) -> Result<Vec<(&str, &str)>, ReproduceError> {
-    let same =
-        [("boxes", "historical"), ("split", "2"), ("levels", "1"), ("exact-clusters", "16384")];
-    settings(params, &same, |name, value| match (name, value) {
-        ("f" | "m", _) => Some((name, value)),
-        ("o", "+") => Some(("orphan-grid", "on")),
-        ("o", "-") => Some(("orphan-grid", "off")),
-        _ => None,
-    })
+/// The row of `adaptive-grid` for a published setting like `f=1.5 m=0.1 o=-`.
+fn adaptive_row(params: &str) -> Result<Row<'static>, ReproduceError> {
+    let [ratio, surface, orphans] = values(params, ["f=", "m=", "o="])?;
+    let orphan_grid = match orphans {
+        "+" => "on",
+        "-" => "off",
+        _ => return Err(ReproduceError::UnknownSetting(params.to_owned())),
+    };
+    let row = format!(
+        "adaptive-grid:boxes=historical:split=2:levels=1:exact-clusters=16384:f={ratio}:\
+         m={surface}:orphan-grid={orphan_grid}"
+    );
+    Ok(Row::parse(REGISTRY, &row)?)
 }
 
 pub(super) fn adaptive(scene: &PublishedScene, setting: &Setting) -> Counted {
-    let params = registered("adaptive-grid")?.params(adaptive_settings(setting.params)?)?;
+    let params = adaptive_row(setting.params)?.params;
     match scene.geometry.prims() {
         PrimsRef::Mixed(prims) => count_over(scene, prims, &params),
         PrimsRef::Watertight(prims) => count_over(scene, prims, &params),
@@ -228,20 +219,19 @@ fn build_octree<'g>(
         Some("89") => "neighbour",
         _ => "top-down",
     };
-    let settings = [
-        ("subdivision", subdivision),
-        ("traversal", traversal),
-        ("max-depth", params.strip_prefix("depth=").unwrap_or(params)),
-        ("max-leaf", "1"),
-        ("useless-splits", "20"),
-        ("boxes", "historical"),
-        ("order", if traversal == "point-location" { "alternate" } else { "alternate-reverse" }),
-    ];
-    build("octree", geometry, settings)
+    let [depth] = values(params, ["depth="])?;
+    let order = if traversal == "point-location" { "alternate" } else { "alternate-reverse" };
+    let row = format!(
+        "octree:subdivision={subdivision}:traversal={traversal}:max-depth={depth}:max-leaf=1:\
+         useless-splits=20:boxes=historical:order={order}"
+    );
+    build(&row, geometry)
 }
 
 #[cfg(test)]
 mod tests {
+    use accel_core::query::tracer::Tracer;
+
     use super::*;
     use crate::reproduce::published::{SCENES, cell_counters, figures, geometry, table};
     use crate::reproduce::reproduce_scene;
@@ -280,16 +270,26 @@ mod tests {
         assert!(exact >= 80 && exact + within + known == 128, "{exact} {within} {known}");
     }
 
+    /// N_IN, N_V, N_EV and N_OIV of a structure over those published for its setting in a scene.
+    fn ours_over_published(
+        built: &dyn Tracer<f64>,
+        [structure, params, scene]: [&str; 3],
+    ) -> [f64; 4] {
+        let figures = figures().unwrap();
+        let settings = table(&figures, structure, scene);
+        let (_, published) = settings.iter().find(|setting| setting.0 == params).unwrap();
+        let ratio = |(counter, ours)| ours as f64 / published[counter].parse::<f64>().unwrap();
+        cell_counters(&built.stats()).map(ratio)
+    }
+
     #[test]
     fn two_classes_have_the_published_cells_in_lattice_mount_and_tetra() {
-        let figures = figures().unwrap();
-        for name in ["lattice", "mount", "tetra"] {
-            let geometry = geometry(name);
-            let published = table(&figures, "hug", name);
-            let (params, counters) = published.iter().find(|p| p.0 == "HNG=2 HCN=0").unwrap();
-            let stats = build_hug(&geometry, params, 0).unwrap().stats();
-            assert_eq!(stats.inner_cells.to_string(), counters["N_IN"], "{name}");
-            assert_eq!(stats.cells.to_string(), counters["N_V"], "{name}");
+        let params = "HNG=2 HCN=0";
+        for scene in ["lattice", "mount", "tetra"] {
+            let geometry = geometry(scene);
+            let built = build_hug(&geometry, params, 0).unwrap();
+            let ratios = ours_over_published(&*built, ["hug", params, scene]);
+            assert_eq!(ratios[..2], [1.0; 2], "{scene}");
         }
         assert!(build_hug(&geometry("tetra"), "HNG=2 X=3", 0).is_err());
     }
@@ -321,35 +321,27 @@ mod tests {
 
     #[test]
     fn four_scenes_have_about_the_published_cells() {
-        let figures = figures().unwrap();
-        for (name, tolerance) in [("balls", 0.12), ("tree", 0.12), ("mount", 0.25), ("tetra", 0.25)]
+        let params = "f=1.5 m=0.5 o=-";
+        for (scene, tolerance) in
+            [("balls", 0.12), ("tree", 0.12), ("mount", 0.25), ("tetra", 0.25)]
         {
-            let geometry = geometry(name);
-            let published = table(&figures, "adaptive", name);
-            let (params, counters) = published.iter().find(|p| p.0 == "f=1.5 m=0.5 o=-").unwrap();
-            let settings = adaptive_settings(params).unwrap();
-            let stats = build("adaptive-grid", &geometry, settings).unwrap().stats();
-            for (counter, ours) in cell_counters(&stats) {
-                let value: f64 = counters[counter].parse().unwrap();
-                let ratio = ours as f64 / value;
-                assert!((ratio - 1.0).abs() <= tolerance, "{name} {counter}: {ratio}");
-            }
+            let geometry = geometry(scene);
+            let row = adaptive_row(params).unwrap();
+            let built = row.entry.build(geometry.prims(), &row.params).unwrap();
+            let ratios = ours_over_published(&*built, ["adaptive", params, scene]);
+            assert!(ratios.iter().all(|r| (r - 1.0).abs() <= tolerance), "{scene}: {ratios:?}");
         }
-        assert!(adaptive_settings("f=1.5 o=?").is_err());
+        assert!(adaptive_row("f=1.5 m=0.5 o=?").is_err());
     }
 
     #[test]
     fn centre_subdivision_has_exactly_the_published_cells() {
-        let figures = figures().unwrap();
         for scene in ["tetra", "balls"] {
             let geometry = geometry(scene);
-            let columns = table(&figures, "Octree84-C", scene);
-            assert_eq!(columns.len(), 4);
-            for (params, counters) in columns {
-                let stats = build_octree(&geometry, "Octree84-C", params).unwrap().stats();
-                for (counter, value) in cell_counters(&stats) {
-                    assert_eq!(value.to_string(), counters[counter], "{scene} {params} {counter}");
-                }
+            for params in ["depth=4", "depth=5", "depth=6", "depth=7"] {
+                let built = build_octree(&geometry, "Octree84-C", params).unwrap();
+                let ratios = ours_over_published(&*built, ["Octree84-C", params, scene]);
+                assert_eq!(ratios, [1.0; 4], "{scene} {params}");
             }
         }
     }
