@@ -112,8 +112,9 @@ mod tests {
 
     use crate::args::{Cli, Command, SweepArgs};
     use measurement::scenes::InstalledScenes;
+    use presentation::svg_plot::Scale;
+    use studies::sweep::Sweep;
     use studies::sweep::sizes::SizeSweep;
-    use studies::sweep::{Abscissa, Sweep};
 
     fn args(arguments: &str) -> Result<SweepArgs, String> {
         let words = ["rtbench", "sweep"].into_iter().chain(arguments.split(' '));
@@ -149,7 +150,7 @@ mod tests {
         assert!(s.lines[2].is_default && !s.lines[2].is_swept);
         assert_eq!(s.lines[3].rules, ["woo"]);
         assert_eq!(s.plan.rows[s.plan.baseline].label(), "obvhs-cwbvh");
-        assert_eq!(s.abscissa, Abscissa::CellsPerPrimitive);
+        assert!(s.has_rules && s.axis.label.starts_with("cells per primitive"));
         assert_eq!(s.settings, "mailbox=hash");
     }
 
@@ -161,7 +162,7 @@ mod tests {
         let s = sweep("-s obvhs-cwbvh -p preset --values fast,medium").unwrap();
         assert_eq!((labels(&s).len(), s.plan.baseline), (2, 1));
         assert!(s.lines[1].is_swept && s.lines[1].is_default);
-        assert_eq!(s.abscissa, Abscissa::Words);
+        assert_eq!(s.axis.scale, Scale::Words(vec!["fast".to_owned(), "medium".to_owned()]));
     }
 
     #[test]
@@ -170,7 +171,7 @@ mod tests {
         let values: Vec<_> = s.lines.iter().filter(|l| l.is_swept).map(|l| &l.value).collect();
         assert_eq!(values.len(), 5);
         assert!(s.lines.iter().all(|l| l.rules.is_empty()));
-        assert_eq!(s.abscissa, Abscissa::Number { is_log: true });
+        assert_eq!((s.axis.scale, s.has_rules), (Scale::Log, false));
     }
 
     #[test]

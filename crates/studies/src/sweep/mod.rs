@@ -20,6 +20,7 @@ use measurement::plan::rows::{self, Assignments, Row};
 use measurement::plan::{Plan, baseline, default_baseline};
 use measurement::scenes::SceneSource;
 use measurement::settings::MeasuringSettings;
+use presentation::svg_plot::{Axis, Scale};
 
 #[derive(Debug, Clone, Default)]
 pub struct SweepSettings {
@@ -47,17 +48,6 @@ pub struct Line {
     pub rules: Vec<&'static str>,
 }
 
-/// Horizontal axis of a plot of the sweep.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Abscissa {
-    /// Cells per primitive: rules of thumb have a place there too.
-    CellsPerPrimitive,
-    /// The value, on a logarithmic axis or a linear one.
-    Number { is_log: bool },
-    /// The values one beside the other.
-    Words,
-}
-
 #[derive(Debug)]
 pub struct Sweep<'r> {
     pub plan: Plan<'r>,
@@ -67,7 +57,10 @@ pub struct Sweep<'r> {
     /// Its other settings, as typed; empty for the defaults.
     pub settings: String,
     pub parameter: &'static ParamSpec,
-    pub abscissa: Abscissa,
+    /// Horizontal axis of plots.
+    pub axis: Axis,
+    /// Rules of thumb compete with the values: all are placed by their cells per primitive.
+    pub has_rules: bool,
 }
 
 impl<'r> Sweep<'r> {
@@ -78,16 +71,16 @@ impl<'r> Sweep<'r> {
     ) -> Result<Self, PlanError> {
         let swept = SweptParameter::new(args, registry)?;
         let values = swept.values(args)?;
-        let abscissa = swept.abscissa(&values);
         let mut lines = Vec::new();
-        for value in values {
-            let line = line_of(&mut lines, swept.row(&value)?);
-            (line.value, line.is_swept) = (Some(value), true);
+        for value in &values {
+            let line = line_of(&mut lines, swept.row(value)?);
+            (line.value, line.is_swept) = (Some(value.clone()), true);
         }
         let line = line_of(&mut lines, Row::of(swept.entry, &swept.settings)?);
         line.value.get_or_insert_with(|| swept.parameter.default.to_owned());
         line.is_default = true;
-        if values::rules_apply_to(swept.entry, swept.parameter) {
+        let has_rules = values::rules_apply_to(swept.entry, swept.parameter);
+        if has_rules {
             for (rule, settings) in values::rule_settings(&swept.settings) {
                 line_of(&mut lines, Row::of(swept.entry, &settings)?).rules.push(rule);
             }
@@ -106,11 +99,12 @@ impl<'r> Sweep<'r> {
         let scenes = scenes.resolve(&args.scenes)?;
         Ok(Self {
             plan: Plan::over(scenes, rows, baseline, &args.measuring, registry)?,
+            axis: swept.axis(&values, &lines),
+            has_rules,
             lines,
             structure: swept.entry.info.name,
             settings: swept.settings_text(),
             parameter: swept.parameter,
-            abscissa,
         })
     }
 }
@@ -179,16 +173,20 @@ impl<'r, 't> SweptParameter<'r, 't> {
         Ok(if is_whole { range.whole_numbers() } else { range.real_numbers() })
     }
 
-    fn abscissa(&self, values: &[String]) -> Abscissa {
+    /// The horizontal axis for these values and lines.
+    fn axis(&self, values: &[String], lines: &[Line]) -> Axis {
+        let name = self.parameter.name;
         if values::rules_apply_to(self.entry, self.parameter) {
-            return Abscissa::CellsPerPrimitive;
+            return Axis { label: format!("cells per primitive, by {name}"), scale: Scale::Log };
         }
-        match self.parameter.kind {
-            ParamKind::Integer { .. } | ParamKind::Real { .. } => {
-                Abscissa::Number { is_log: values::spread_by_ratios(values) }
+        let scale = match self.parameter.kind {
+            ParamKind::Choice(_) | ParamKind::Resolution => {
+                Scale::Words(lines.iter().filter_map(|line| line.value.clone()).collect())
             }
-            ParamKind::Choice(_) | ParamKind::Resolution => Abscissa::Words,
-        }
+            _ if values::spread_by_ratios(values) => Scale::Log,
+            ParamKind::Integer { .. } | ParamKind::Real { .. } => Scale::Linear,
+        };
+        Axis { label: name.to_owned(), scale }
     }
 
     fn settings_text(&self) -> String {

@@ -15,7 +15,7 @@ use presentation::text::Screen;
 use crate::run::columns::RATIO;
 use crate::run::{columns as run_columns, output, tables};
 use crate::sweep::judgement::{Judgement, ValueStanding, costs, judge};
-use crate::sweep::{Abscissa, Line, Sweep};
+use crate::sweep::{Line, Sweep};
 
 /// Columns taken from the table of a run.
 #[rustfmt::skip]
@@ -183,12 +183,11 @@ struct PlottedRow<'a> {
 
 fn panel(sweep: &Sweep<'_>, run: &RunRecord, scene: &SceneRecord) -> Plot {
     let judgements = judge(sweep, scene);
-    let words = words(sweep);
     let rows = scene.rows.iter().zip(&sweep.lines).zip(&judgements).zip(costs(scene));
     let placed: Vec<PlottedRow<'_>> = rows
         .filter(|(((row, _), _), _)| row.verdict == Verdict::Ok)
         .filter_map(|(((_, line), judgement), cost)| {
-            let (x, cost) = (abscissa(sweep, line, judgement, &words)?, cost?);
+            let (x, cost) = (abscissa(sweep, line, judgement)?, cost?);
             let point = Point { x, y: cost.median, low: cost.low, high: cost.high };
             Some(PlottedRow { line, judgement, point })
         })
@@ -204,7 +203,7 @@ fn panel(sweep: &Sweep<'_>, run: &RunRecord, scene: &SceneRecord) -> Plot {
     Plot {
         title: format!("{}: {} of {}", scene.name, sweep.parameter.name, settings.trim_end()),
         subtitle: subtitle(scene, rays, sweep, &judgements),
-        x: horizontal(sweep, words),
+        x: sweep.axis.clone(),
         y: Axis {
             label: if has_ratios {
                 format!("trace time / trace time of {reference}")
@@ -216,12 +215,13 @@ fn panel(sweep: &Sweep<'_>, run: &RunRecord, scene: &SceneRecord) -> Plot {
         series: vec![Series {
             name: format!("values of {}", sweep.parameter.name),
             points: swept,
-            is_joined: sweep.abscissa != Abscissa::Words,
+            is_joined: !matches!(sweep.axis.scale, Scale::Words(_)),
         }],
         marks: placed.iter().filter_map(mark).collect(),
-        marks_name: match sweep.abscissa {
-            Abscissa::CellsPerPrimitive => "for comparison: default and rules of thumb".to_owned(),
-            Abscissa::Number { .. } | Abscissa::Words => "for comparison: default".to_owned(),
+        marks_name: if sweep.has_rules {
+            "for comparison: default and rules of thumb".to_owned()
+        } else {
+            "for comparison: default".to_owned()
         },
         levels: reference_level.into_iter().chain(default_level(sweep, &placed)).collect(),
     }
@@ -229,7 +229,7 @@ fn panel(sweep: &Sweep<'_>, run: &RunRecord, scene: &SceneRecord) -> Plot {
 
 /// The default as a level where its value has no place: 0 on a logarithmic axis.
 fn default_level(sweep: &Sweep<'_>, placed: &[PlottedRow<'_>]) -> Option<Level> {
-    let is_log = sweep.abscissa == Abscissa::Number { is_log: true };
+    let is_log = !sweep.has_rules && sweep.axis.scale == Scale::Log;
     let default = placed.iter().find(|p| is_log && p.line.is_default && p.point.x <= 0.0)?;
     let value = default.line.value.as_deref().unwrap_or_default();
     Some(Level { y: default.point.y, label: format!("default: {value}") })
@@ -255,36 +255,17 @@ fn subtitle(scene: &SceneRecord, rays: u64, sweep: &Sweep<'_>, judgements: &[Jud
     text
 }
 
-/// The words of the horizontal axis: the values, the default among them.
-fn words(sweep: &Sweep<'_>) -> Vec<String> {
-    match sweep.abscissa {
-        Abscissa::Words => sweep.lines.iter().filter_map(|l| l.value.clone()).collect(),
-        Abscissa::CellsPerPrimitive | Abscissa::Number { .. } => Vec::new(),
-    }
-}
-
 /// Position of a row on the horizontal axis; `None` for the reference.
-fn abscissa(sweep: &Sweep<'_>, line: &Line, judged: &Judgement, words: &[String]) -> Option<f64> {
+fn abscissa(sweep: &Sweep<'_>, line: &Line, judged: &Judgement) -> Option<f64> {
     let value = line.value.as_ref();
-    match sweep.abscissa {
-        Abscissa::CellsPerPrimitive => {
-            let is_own = value.is_some() || !line.rules.is_empty();
-            judged.cells_per_primitive.filter(|_| is_own)
-        }
-        Abscissa::Number { .. } => value?.parse().ok(),
-        Abscissa::Words => Some(words.iter().position(|w| Some(w) == value)? as f64),
+    if sweep.has_rules {
+        let is_own = value.is_some() || !line.rules.is_empty();
+        return judged.cells_per_primitive.filter(|_| is_own);
     }
-}
-
-fn horizontal(sweep: &Sweep<'_>, words: Vec<String>) -> Axis {
-    let name = sweep.parameter.name;
-    let (label, scale) = match sweep.abscissa {
-        Abscissa::CellsPerPrimitive => (format!("cells per primitive, by {name}"), Scale::Log),
-        Abscissa::Number { is_log: true } => (name.to_owned(), Scale::Log),
-        Abscissa::Number { is_log: false } => (name.to_owned(), Scale::Linear),
-        Abscissa::Words => (name.to_owned(), Scale::Words(words)),
-    };
-    Axis { label, scale }
+    match &sweep.axis.scale {
+        Scale::Words(words) => Some(words.iter().position(|w| Some(w) == value)? as f64),
+        _ => value?.parse().ok(),
+    }
 }
 
 fn vertical(placed: &[PlottedRow<'_>]) -> Scale {
