@@ -63,9 +63,18 @@ pub(crate) fn median_of(samples: &mut [f64]) -> Option<f64> {
     }
 }
 
-/// Median and interval of one quantity; none without samples.
+/// The intervals of fewer samples reach to all of them.
+const FEW: usize = 6;
+
+/// Median and interval of one quantity; none without samples. Few samples need not be resampled to
+/// know their interval.
 pub fn estimate(samples: &[f64], seed: u64) -> Option<Estimate> {
-    geometric_mean_of_medians(&[samples], seed)
+    if samples.len() >= FEW {
+        return geometric_mean_of_medians(&[samples], seed);
+    }
+    let mut sorted = samples.to_vec();
+    let median = median_of(&mut sorted)?;
+    Some(Estimate { median, low: *sorted.first()?, high: *sorted.last()? })
 }
 
 /// The ends of the 95% interval of resampled values, each resampled from `samples`.
@@ -210,8 +219,21 @@ pub(crate) mod tests {
     fn the_bootstrap_interval_of_three_samples_is_known() {
         // The median of 3 draws from {1, 2, 3} is 1 with probability 7/27, 3 likewise: both are
         // more than 2.5%, so the interval must reach from the smallest to the largest.
-        let e = estimate(&[1.0, 2.0, 3.0], 1).unwrap();
+        let e = geometric_mean_of_medians(&[&[1.0, 2.0, 3.0]], 1).unwrap();
         assert_eq!(e, Estimate { median: 2.0, low: 1.0, high: 3.0 });
+    }
+
+    #[test]
+    fn intervals_of_few_samples_reach_to_the_least_and_the_largest() {
+        for n in 1..FEW {
+            for largest in [0.9, 1.0, 1.1] {
+                let mut samples: Vec<f64> = (1..n).map(|i| 0.5 + 0.05 * i as f64).collect();
+                samples.push(largest);
+                let interval = estimate(&samples, 1).unwrap();
+                assert_eq!((interval.low, interval.high), (samples[0], largest), "{n}");
+                assert_eq!(geometric_mean_of_medians(&[&samples], 1), Some(interval), "{n}");
+            }
+        }
     }
 
     #[test]

@@ -52,99 +52,57 @@ pub struct Ranking {
     pub next: Option<(String, Estimate)>,
 }
 
-/// The intervals of fewer samples reach to all of them.
-const FEW: usize = 6;
-
-/// Another row than the fastest, and the quotients of the fastest one's times and its own.
-struct Competitor {
-    label: String,
-    /// By scene, at the end of which they are resampled.
-    groups: Vec<Series>,
-}
-
-impl Competitor {
-    fn quotient(&self, seed: u64) -> Option<Estimate> {
-        geometric_mean_of(&self.groups, seed)
-    }
-
-    /// The quotient without its interval.
-    fn middle(&self) -> Option<f64> {
-        let medians = self.groups.iter().map(Series::middle).collect::<Option<Vec<_>>>()?;
-        match &medians[..] {
-            [one] => Some(*one),
-            _ => geometric_mean(&medians),
-        }
-    }
-
-    /// Returns whether so few rounds of one scene say that it may be the faster one: their interval
-    /// reaches to the largest quotient, as [`Estimate`] says, and need not be resampled.
-    fn is_tied_by_few(&self) -> bool {
-        match &self.groups[..] {
-            [group] => {
-                let is_one_process = group.by_process().len() < 2;
-                is_one_process && group.len() < FEW && group.values().iter().any(|q| *q >= 1.0)
-            }
-            _ => false,
-        }
-    }
-
-    /// Returns whether it is slower in every round: resampling them does not change that.
-    fn is_always_slower(&self) -> bool {
-        self.groups.iter().flat_map(Series::values).all(|quotient| *quotient < 1.0)
-    }
-}
-
-impl Ranking {
-    /// From the others, in any order.
-    fn new(first: String, took: Estimate, others: Vec<Competitor>, seed: u64) -> Self {
-        let mut others: Vec<(f64, Competitor)> =
-            others.into_iter().filter_map(|other| Some((other.middle()?, other))).collect();
-        others.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let (mut ties, mut next) = (Vec::new(), None);
-        for (_, other) in others {
-            // intervals take long: of what is slower in any case only that of the nearest is shown
-            if next.is_some() && other.is_always_slower() {
-                continue;
-            }
-            if other.is_tied_by_few() {
-                ties.push(other.label);
-                continue;
-            }
-            match other.quotient(seed) {
-                Some(quotient) if quotient.high >= 1.0 => ties.push(other.label),
-                Some(quotient) if next.is_none() => next = Some((other.label, quotient.inverse())),
-                _ => {}
-            }
-        }
-        Self { first, took, ties, next }
-    }
-}
-
 /// Ranks the rows that every scene has by geometric means over the scenes; `None` without such
 /// rows. The first of rows with the same label counts.
-pub fn lead<R: AsRef<[TimedRow]>>(scenes: &[R], seed: u64) -> Option<Ranking> {
-    let by_label = |scene: &R| -> BTreeMap<String, usize> {
-        scene.as_ref().iter().enumerate().rev().map(|(i, t)| (t.label.clone(), i)).collect()
-    };
-    let places: Vec<BTreeMap<String, usize>> = scenes.iter().map(by_label).collect();
-    let everywhere = |label: &str| -> Option<Vec<&TimedRow>> {
-        let found = scenes.iter().zip(&places);
-        found.map(|(scene, places)| scene.as_ref().get(*places.get(label)?)).collect()
-    };
-    let labels = places.first()?;
-    let mut candidates: Vec<(usize, Vec<&TimedRow>)> =
-        labels.iter().filter_map(|(label, place)| Some((*place, everywhere(label)?))).collect();
-    candidates.sort_by_key(|(place, _)| *place);
+pub fn lead(scenes: &[Vec<TimedRow>], seed: u64) -> Option<Ranking> {
+    let by_label: Vec<BTreeMap<&str, &TimedRow>> = scenes
+        .iter()
+        .map(|scene| scene.iter().rev().map(|row| (row.label.as_str(), row)).collect())
+        .collect();
+    let everywhere = scenes.first()?.iter().filter_map(|row| {
+        let label = row.label.as_str();
+        let rows = by_label.iter().map(|rows| rows.get(label).copied());
+        let rows = rows.collect::<Option<Vec<&TimedRow>>>()?;
+        let is_counted = rows.first().is_some_and(|counted| std::ptr::eq(*counted, row));
+        is_counted.then_some((label, rows))
+    });
+    let mut candidates: Vec<_> = everywhere.collect();
     let took = |rows: &[&TimedRow]| rows.iter().map(|t| t.middle.ln()).sum::<f64>();
-    let (place, first) = candidates.iter().min_by(|a, b| took(&a.1).total_cmp(&took(&b.1)))?;
-    let label = |rows: &[&TimedRow]| rows.first().map_or(String::new(), |t| t.label.clone());
-    let others =
-        candidates.iter().filter(|(other, _)| other != place).map(|(_, rows)| Competitor {
-            label: label(rows),
-            groups: first.iter().zip(rows).map(|(a, b)| a.quotients(b)).collect(),
-        });
+    let all = candidates.iter().map(|(_, rows)| took(rows)).enumerate();
+    let (place, _) = all.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (label, first) = candidates.remove(place);
+    // of each its median quotient, its label, and the first one's times over its own, by scene
+    let of_first = |(label, rows): (&str, Vec<&TimedRow>)| {
+        let pairs = first.iter().zip(rows);
+        let quotients: Vec<Series> = pairs.map(|(first, row)| first.quotients(row)).collect();
+        Some((middle(&quotients)?, label.to_owned(), quotients))
+    };
+    let mut others: Vec<_> = candidates.into_iter().filter_map(of_first).collect();
+    others.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let (mut ties, mut next) = (Vec::new(), None);
+    for (_, other, quotients) in others {
+        // intervals take long: of what is slower in every round only that of the nearest is shown
+        if next.is_some() && quotients.iter().flat_map(Series::values).all(|q| *q < 1.0) {
+            continue;
+        }
+        match geometric_mean_of(&quotients, seed) {
+            Some(quotient) if quotient.high >= 1.0 => ties.push(other),
+            Some(quotient) if next.is_none() => next = Some((other, quotient.inverse())),
+            _ => {}
+        }
+    }
     let own: Vec<Series> = first.iter().map(|t| series(&t.rounds)).collect();
-    Some(Ranking::new(label(first), geometric_mean_of(&own, seed)?, others.collect(), seed))
+    let took = geometric_mean_of(&own, seed)?;
+    Some(Ranking { first: label.to_owned(), took, ties, next })
+}
+
+/// The geometric mean over series (scenes), without its interval.
+fn middle(groups: &[Series]) -> Option<f64> {
+    let medians = groups.iter().map(Series::middle).collect::<Option<Vec<_>>>()?;
+    match medians[..] {
+        [one] => Some(one),
+        _ => geometric_mean(&medians),
+    }
 }
 
 #[cfg(test)]
@@ -154,22 +112,6 @@ mod tests {
     fn timed(number: usize, times: &[f64]) -> TimedRow {
         let rounds = times.iter().zip(0..).map(|(took, i)| ((0, i), *took)).collect();
         TimedRow::new(format!("row {number}"), Query::default(), rounds).unwrap()
-    }
-
-    #[test]
-    fn intervals_of_few_samples_reach_to_the_largest() {
-        for n in 1..FEW {
-            for largest in [0.9, 1.0, 1.1] {
-                let mut group: Vec<f64> = (1..n).map(|i| 0.5 + 0.05 * i as f64).collect();
-                group.push(largest);
-                let other = Competitor { label: String::new(), groups: vec![group.into()] };
-                let interval = other.quotient(1).unwrap();
-                assert_eq!(interval.high, largest, "{n}");
-                assert_eq!(other.is_tied_by_few(), interval.high >= 1.0, "{n} {largest}");
-            }
-        }
-        let many = Competitor { label: String::new(), groups: vec![vec![1.1; FEW].into()] };
-        assert!(!many.is_tied_by_few());
     }
 
     #[test]
