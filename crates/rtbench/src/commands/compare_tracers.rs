@@ -3,15 +3,9 @@
 
 use std::path::Path;
 
-use accel_core::query::region::Frustum;
-use accel_core::query::tracer::Tracer;
 use accel_core::structures::frustum_queries;
-use accel_core::{Hit, Ray};
-use glam::DVec2;
-use renderer::camera::{EyeRays, Sampling};
 use renderer::tracers::{Structures, TRACERS, whitted};
 use renderer::{Geometry, Image, RenderSettings};
-use scene_loading::Scene;
 
 use crate::args::CompareTracersArgs;
 use crate::commands::render::{one_scene, structure};
@@ -88,7 +82,7 @@ pub fn run(context: &mut Context<'_>, args: &CompareTracersArgs) -> Result<u8, E
     };
     let images = measured.install(|| compare(&question, &reference, clock));
     let queries = if tracers.iter().any(|name| *name != whitted::INFO.name) {
-        let frusta = frusta_of(&scene, &*rays, frame.resolution);
+        let frusta = pixel_frusta(&scene, &*rays, frame.resolution);
         let rounds = Rounds { rounds, seed: frame.seed, primitives: scene.primitives.len() };
         queries::measure(frustum_queries::REGISTRY, double.prims(), &frusta, rounds, clock)
             .map_err(build)?
@@ -130,27 +124,6 @@ fn tracers(names: &[String]) -> Result<Vec<&'static str>, PlanError> {
     let named =
         |name: &String| all.iter().copied().find(|n| n == name).ok_or_else(|| unknown(name));
     names.iter().map(named).collect()
-}
-
-/// A pyramid a pixel, with what the ray through the pixel's centre hits.
-fn frusta_of(
-    scene: &Scene,
-    tracer: &dyn Tracer<f64>,
-    resolution: [u32; 2],
-) -> Vec<(Frustum, Option<u32>)> {
-    let eye = EyeRays::new(&scene.camera, resolution, Sampling::PixelCentres);
-    let [w, h] = resolution;
-    let centre = |(x, y)| {
-        let direction = eye.direction_within(x, y, DVec2::splat(0.5));
-        Ray::<f64>::from_dvec3(eye.origin(), direction)
-    };
-    let pixels = (0..h).flat_map(|y| (0..w).map(move |x| (x, y)));
-    let rays: Vec<Ray<f64>> = pixels.map(centre).collect();
-    let mut hits = vec![Hit::NONE; rays.len()];
-    tracer.closest_hits(&rays, &mut hits);
-    let frusta = pixel_frusta(&scene.camera, resolution, scene.bounds());
-    let seen = hits.iter().map(|hit| hit.is_hit().then_some(hit.id));
-    frusta.into_iter().zip(seen).collect()
 }
 
 fn write_files(folder: &Path, report: &Report) -> Result<(), Error> {

@@ -2,43 +2,48 @@
 //! with frustum queries, compared with brute force.
 
 use accel_core::primitives::PrimsRef;
-use accel_core::query::region::{Candidates, Frustum, FrustumQueries, FrustumWork};
+use accel_core::query::region::{Candidates, Frustum, FrustumWork};
+use accel_core::query::tracer::Tracer;
 use accel_core::structure::BuildError;
 use accel_core::structures::frustum_queries;
+use accel_core::{Hit, Ray};
 use glam::DVec2;
 use renderer::camera::{EyeRays, Sampling};
-use scene_loading::{Bounds, Camera};
+use scene_loading::Scene;
 
 use super::record::QueryRecord;
-use measurement::rounds::interleaved::{Visit, interleaved};
-use measurement::system::clock::{Clock, timed};
+use measurement::rounds::interleaved::timed;
+use measurement::system::clock::Clock;
 use statistics::estimate::estimate;
 
 /// Brute force asks about as many hulls per round at most, the structure in question all frusta.
 const MOST_TESTS: usize = 1 << 25;
 
-/// A pyramid a pixel.
-pub fn pixel_frusta(camera: &Camera, resolution: [u32; 2], bounds: Bounds) -> Vec<Frustum> {
-    let eye = EyeRays::new(camera, resolution, Sampling::PixelCentres);
+/// A pyramid a pixel, with what the ray through the pixel's centre hits.
+pub fn pixel_frusta(
+    scene: &Scene,
+    tracer: &dyn Tracer<f64>,
+    resolution: [u32; 2],
+) -> Vec<(Frustum, Option<u32>)> {
+    let eye = EyeRays::new(&scene.camera, resolution, Sampling::PixelCentres);
     let apex = eye.origin();
+    let [w, h] = resolution;
+    let pixels = || (0..h).flat_map(|y| (0..w).map(move |x| (x, y)));
+    let rays: Vec<Ray<f64>> =
+        pixels().map(|(x, y)| Ray::from_dvec3(apex, eye.direction(x, y))).collect();
+    let mut hits = vec![Hit::NONE; rays.len()];
+    tracer.closest_hits(&rays, &mut hits);
     // twice as far as the farthest corner
+    let bounds = scene.bounds();
     let corner = (bounds.min - apex).abs().max((bounds.max - apex).abs());
     let reach = 2.0 * corner.length().max(f64::MIN_POSITIVE);
-    let [w, h] = resolution;
-    let frustum = |x, y| {
+    let frustum = |(x, y)| {
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let corners = corners.map(|at| eye.direction_within(x, y, DVec2::from(at)));
         Frustum::pyramid(apex, &corners, reach)
     };
-    (0..h).flat_map(|y| (0..w).map(move |x| (x, y))).map(|(x, y)| frustum(x, y)).collect()
-}
-
-struct QuerySubject {
-    name: &'static str,
-    queries: Box<dyn FrustumQueries>,
-    seconds: Vec<f64>,
-    work: FrustumWork,
-    missed: usize,
+    let seen = hits.iter().map(|hit| hit.is_hit().then_some(hit.id));
+    pixels().map(frustum).zip(seen).collect()
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,17 +52,6 @@ pub struct Rounds {
     pub seed: u64,
     /// Primitives of the scene: how many tests brute force makes a query.
     pub primitives: usize,
-}
-
-/// Number of queries that miss a required primitive.
-fn missed(queries: &dyn FrustumQueries, frusta: &[&(Frustum, Option<u32>)]) -> usize {
-    let mut candidates = Candidates::default();
-    let misses = |(frustum, seen): &&&(Frustum, Option<u32>)| {
-        let Some(seen) = seen else { return false };
-        queries.query(frustum, &mut candidates);
-        !candidates.ids.contains(seen)
-    };
-    frusta.iter().filter(misses).count()
 }
 
 /// Asks every structure of `registry` for the candidates of all frusta, `rounds` times in seeded
@@ -71,38 +65,39 @@ pub fn measure(
     clock: &dyn Clock,
 ) -> Result<Vec<QueryRecord>, BuildError> {
     let stride = (frusta.len() * rounds.primitives).div_ceil(MOST_TESTS).max(1);
-    let sample: Vec<&(Frustum, Option<u32>)> = frusta.iter().step_by(stride).collect();
-    let mut asked = Vec::new();
+    let sample: &[_] = &frusta.iter().step_by(stride).collect::<Vec<_>>();
+    let mut built = Vec::new();
     for entry in registry {
-        let queries = entry.build(prims, &entry.params([])?)?;
-        let missed = missed(queries.as_ref(), &sample);
-        let (name, seconds, work) = (entry.info.name, Vec::new(), FrustumWork::default());
-        asked.push(QuerySubject { name, queries, seconds, work, missed });
+        built.push((entry.info.name, entry.build(prims, &entry.params([])?)?));
     }
-    let seed = rounds.seed;
-    let is_left = |round| round < rounds.rounds as usize;
-    interleaved(0, asked.len(), seed, "queries", is_left, |Visit { row, .. }| {
-        let QuerySubject { queries, seconds, work, .. } = &mut asked[row];
-        let mut candidates = Candidates::default();
-        let ((), own) = timed(clock, || {
-            for (frustum, _) in &sample {
+    let mut works: Vec<Box<dyn FnMut() + '_>> = Vec::new();
+    for (_, queries) in &built {
+        works.push(Box::new(move || {
+            let mut candidates = Candidates::default();
+            for (frustum, _) in sample {
                 queries.query(frustum, &mut candidates);
                 std::hint::black_box(&candidates.ids);
             }
-        });
-        seconds.push(own);
-        *work = candidates.work;
-    });
-    let brute = asked.iter().find(|a| a.name == "brute-force").or(asked.first());
-    let Some(base) = brute.map(|b| b.seconds.clone()) else { return Ok(Vec::new()) };
-    let row = |a: &QuerySubject| {
+        }));
+    }
+    let seed = rounds.seed;
+    let is_left = |round| round < rounds.rounds as usize;
+    let seconds = timed(&mut works, seed, "queries", clock, is_left);
+    let brute = built.iter().position(|(name, _)| *name == "brute-force").unwrap_or(0);
+    let Some(base) = seconds.get(brute) else { return Ok(Vec::new()) };
+    let rows = built.iter().zip(&seconds).filter_map(|((name, queries), seconds)| {
         let per_query: Vec<f64> =
-            a.seconds.iter().map(|s| s * 1e6 / sample.len().max(1) as f64).collect();
+            seconds.iter().map(|s| s * 1e6 / sample.len().max(1) as f64).collect();
         let ratios: Vec<f64> =
-            a.seconds.iter().zip(&base).map(|(s, b)| s / b.max(f64::MIN_POSITIVE)).collect();
-        let FrustumWork { cells, references, tests: hull_tests, found, .. } = a.work;
+            seconds.iter().zip(base).map(|(s, b)| s / b.max(f64::MIN_POSITIVE)).collect();
+        let (mut candidates, mut missed) = (Candidates::default(), 0);
+        for (frustum, seen) in sample {
+            queries.query(frustum, &mut candidates);
+            missed += usize::from(seen.is_some_and(|seen| !candidates.ids.contains(&seen)));
+        }
+        let FrustumWork { cells, references, tests: hull_tests, found, .. } = candidates.work;
         Some(QueryRecord {
-            structure: a.name.to_owned(),
+            structure: (*name).to_owned(),
             queries: sample.len(),
             microseconds: estimate(&per_query, seed)?,
             ratio_to_brute_force: estimate(&ratios, seed)?,
@@ -110,10 +105,10 @@ pub fn measure(
             references,
             hull_tests,
             found,
-            missed: a.missed,
+            missed,
         })
-    };
-    Ok(asked.iter().filter_map(row).collect())
+    });
+    Ok(rows.collect())
 }
 
 #[cfg(test)]
@@ -127,7 +122,6 @@ mod tests {
     use accel_core::query::sink::Sink;
     use accel_core::structure::{Structure, StructureStats};
     use accel_core::structures::uniform_grid::{INFO, UniformGrid};
-    use accel_core::{Hit, Ray};
     use renderer::Geometry;
 
     use super::*;
@@ -175,21 +169,9 @@ mod tests {
         let scene =
             InstalledScenes.resolve(&["tetra:3".to_owned()]).unwrap()[0].load().unwrap().scene;
         let geometry = Geometry::<f64>::of(&scene).unwrap();
-        let eye = EyeRays::new(&scene.camera, [24; 2], Sampling::PixelCentres);
-        let rays: Vec<Ray<f64>> = (0..24 * 24)
-            .map(|i| {
-                let direction = eye.direction(i % 24, i / 24);
-                Ray::from_dvec3(eye.origin(), direction)
-            })
-            .collect();
         let entry = accel_core::structures::find("brute-force").unwrap();
         let tracer = entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
-        let mut hits = vec![Hit::NONE; rays.len()];
-        tracer.closest_hits(&rays, &mut hits);
-        let frusta: Vec<_> = pixel_frusta(&scene.camera, [24; 2], scene.bounds())
-            .into_iter()
-            .zip(hits.iter().map(|h| h.is_hit().then_some(h.id)))
-            .collect();
+        let frusta = pixel_frusta(&scene, &*tracer, [24; 2]);
         let rounds = Rounds { rounds: 2, seed: 1, primitives: scene.primitives.len() };
         let clock = SteppingClock::new(Duration::from_millis(1));
         let asked = |registry: &[frustum_queries::Entry]| {
