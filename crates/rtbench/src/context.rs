@@ -31,7 +31,7 @@ pub struct Context<'a> {
     pub scenes: &'a dyn SceneSource,
     pub clock: &'a dyn Clock,
     /// Source of machine and compiler facts in results.
-    pub world: &'a dyn World,
+    pub world: &'a World,
     /// Standard output: results and nothing else.
     pub out: &'a mut dyn Write,
     pub err: &'a mut dyn Write,
@@ -147,7 +147,7 @@ impl<'a> Context<'a> {
         registry: &'a [Entry],
         scenes: &'a dyn SceneSource,
         clock: &'a dyn Clock,
-        world: &'a dyn World,
+        world: &'a World,
         out: &'a mut dyn Write,
         err: &'a mut dyn Write,
     ) -> Self {

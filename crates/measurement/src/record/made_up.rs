@@ -4,7 +4,7 @@ use serde_json::json;
 
 use crate::record::settings::TIME_OF_DAY;
 use crate::record::{RowRecord, RunRecord, SCHEMA_VERSION, Sample, SceneRecord, Settings};
-use crate::system::world::{FixedWorld, World};
+use crate::system::world::World;
 
 /// Rows of a scene: a label and times.
 pub type Rows<'a> = &'a [(&'a str, &'a [f64])];
@@ -12,14 +12,14 @@ pub type Rows<'a> = &'a [(&'a str, &'a [f64])];
 /// A run over scenes whose rows, the reference first, took those times in their rounds. A build
 /// takes a tenth of the time.
 pub fn run(scenes: &[(&str, Rows<'_>)]) -> RunRecord {
-    let world = FixedWorld::default();
+    let world = World::fixed();
     RunRecord {
         schema_version: SCHEMA_VERSION,
-        tool: world.tool(),
+        tool: world.tool.clone(),
         command_line: vec!["rtbench".into(), "run".into()],
-        started_unix_s: world.unix_seconds(),
-        machine: world.machine(),
-        compiler: world.compiler(),
+        started_unix_s: (world.unix_seconds)(),
+        machine: (world.machine)(),
+        compiler: world.compiler.clone(),
         settings: Settings {
             seed: 1,
             threads: 1,

@@ -30,7 +30,7 @@ use std::time::Duration;
 pub struct SceneInput<'a> {
     pub pools: &'a Pools,
     pub clock: &'a dyn Clock,
-    pub world: &'a dyn World,
+    pub world: &'a World,
     pub progress: &'a Progress,
     /// Outcome of the trial build of each row; empty without trial builds.
     pub trials: &'a [TrialOutcome],
@@ -51,7 +51,7 @@ pub fn run_scene<S: Buildable>(
     equipment: &SceneInput<'_>,
     deadline: Option<Duration>,
 ) -> Result<SceneRecord, MeasureError> {
-    equipment.world.reset_peak_rss();
+    (equipment.world.reset_peak_rss)();
     let (progress, scene) = (equipment.progress, &loaded.scene);
     progress.message(format!("{}: rays and oracle", scene.name));
     let exact = Geometry::<f64>::of(scene)?;
@@ -113,7 +113,7 @@ pub fn run_scene<S: Buildable>(
         rays: by_kind(&all, |_| true),
         oracle: judged,
         rows,
-        peak_rss_bytes: equipment.world.peak_rss(),
+        peak_rss_bytes: (equipment.world.peak_rss)(),
         ..SceneRecord::default()
     })
 }

@@ -1,96 +1,76 @@
 //! What results say of the world around a run: the date, the machine, the compiler, and what else
 //! kept the machine busy. Injected like the clock, so that all that is printed can be tested.
 
-use std::collections::VecDeque;
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::record::{Compiler, Load, Machine, Tool};
 use crate::rounds::trial::{TrialBuild, TrialOutcome};
 use crate::system::machine;
 
-/// The world as far as results repeat it: unless a test says otherwise, the one that the process
-/// finds.
-pub trait World: Sync {
-    fn tool(&self) -> Tool;
-
-    fn compiler(&self) -> Compiler;
-
-    /// Seconds since 1970.
-    fn unix_seconds(&self) -> u64 {
-        SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs())
-    }
-
-    fn machine(&self) -> Machine {
-        machine::machine()
-    }
-
-    /// Features of x86-64-v3 that the processor has, by rustc's names.
-    fn processor_features(&self) -> Vec<&'static str> {
-        of_processor()
-    }
-
-    /// SHA-256 of the program's file, where it can be read.
-    fn program_sha256(&self) -> Option<String> {
-        machine::program_sha256()
-    }
-
-    /// Largest resident set since the start or [`World::reset_peak_rss`], bytes.
-    fn peak_rss(&self) -> Option<u64> {
-        machine::peak_rss()
-    }
-
-    /// Begins a new peak where the system lets us.
-    fn reset_peak_rss(&self) {
-        let _ = machine::reset_peak_rss();
-    }
-
-    fn trial_build(&self, trial: &TrialBuild) -> TrialOutcome {
-        trial.run()
-    }
-
-    fn load(&self) -> Load {
-        machine::load()
-    }
-
-    /// The folder that has the system's `proc` and `sys`.
-    fn system_root(&self) -> PathBuf {
-        "/".into()
-    }
-}
-
+/// The world as far as results repeat it.
 #[derive(Debug, Clone)]
-pub struct SystemWorld {
+pub struct World {
     pub tool: Tool,
     pub compiler: Compiler,
-}
-
-impl World for SystemWorld {
-    fn tool(&self) -> Tool {
-        self.tool.clone()
-    }
-
-    fn compiler(&self) -> Compiler {
-        self.compiler.clone()
-    }
-}
-
-/// A world that is the same everywhere, for tests of what is printed.
-#[derive(Debug)]
-pub struct FixedWorld {
-    pub machine: Machine,
+    /// Features of x86-64-v3 that the processor has, by rustc's names.
     pub processor_features: Vec<&'static str>,
-    pub compiler: Compiler,
-    /// What the loads are, one reading after another; the last one stays.
-    pub loads: Mutex<VecDeque<Load>>,
-    pub trials: fn(&TrialBuild) -> TrialOutcome,
+    /// The folder that has the system's `proc` and `sys`.
+    pub system_root: PathBuf,
+    /// Seconds since 1970.
+    pub unix_seconds: fn() -> u64,
+    pub machine: fn() -> Machine,
+    /// SHA-256 of the program's file, where it can be read.
+    pub program_sha256: fn() -> Option<String>,
+    /// Largest resident set since the start or `reset_peak_rss`, bytes.
+    pub peak_rss: fn() -> Option<u64>,
+    /// Begins a new peak where the system lets us.
+    pub reset_peak_rss: fn(),
+    pub trial_build: fn(&TrialBuild) -> TrialOutcome,
+    pub load: fn() -> Load,
 }
 
-impl Default for FixedWorld {
-    fn default() -> Self {
+impl World {
+    /// The world that the process finds.
+    pub fn of_system(tool: Tool, compiler: Compiler) -> Self {
         Self {
-            machine: Machine {
+            tool,
+            compiler,
+            processor_features: of_processor(),
+            system_root: "/".into(),
+            unix_seconds: || {
+                SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs())
+            },
+            machine: machine::machine,
+            program_sha256: machine::program_sha256,
+            peak_rss: machine::peak_rss,
+            reset_peak_rss: || {
+                let _ = machine::reset_peak_rss();
+            },
+            trial_build: TrialBuild::run,
+            load: machine::load,
+        }
+    }
+
+    /// A world that is the same everywhere, for tests of what is printed.
+    pub fn fixed() -> Self {
+        Self {
+            tool: Tool {
+                name: "rtbench".into(),
+                version: "0.0.0".into(),
+                git_revision: Some("0".repeat(40)),
+            },
+            compiler: Compiler {
+                rustc: Some("rustc 1.90.0".into()),
+                target: Some("x86_64-unknown-linux-gnu".into()),
+                target_features: vec!["avx2".into(), "fma".into()],
+                profile: Some("release".into()),
+                opt_level: Some("3".into()),
+            },
+            processor_features: vec!["avx2", "fma"],
+            system_root: "/nowhere".into(),
+            unix_seconds: || 1_767_225_600,
+            machine: || Machine {
                 cpu: Some("Test CPU".into()),
                 threads: 2,
                 memory_bytes: Some(4 << 30),
@@ -100,62 +80,12 @@ impl Default for FixedWorld {
                 batches_by_avx512: None,
                 huge_pages: None,
             },
-            processor_features: vec!["avx2", "fma"],
-            compiler: Compiler {
-                rustc: Some("rustc 1.90.0".into()),
-                target: Some("x86_64-unknown-linux-gnu".into()),
-                target_features: vec!["avx2".into(), "fma".into()],
-                profile: Some("release".into()),
-                opt_level: Some("3".into()),
-            },
-            loads: Mutex::default(),
-            trials: |_| TrialOutcome::Ended { peak_bytes: Some(1 << 20) },
+            program_sha256: || Some("0".repeat(64)),
+            peak_rss: || Some(64 << 20),
+            reset_peak_rss: || {},
+            trial_build: |_| TrialOutcome::Ended { peak_bytes: Some(1 << 20) },
+            load: Load::default,
         }
-    }
-}
-
-impl World for FixedWorld {
-    fn unix_seconds(&self) -> u64 {
-        1_767_225_600
-    }
-
-    fn tool(&self) -> Tool {
-        Tool { name: "rtbench".into(), version: "0.0.0".into(), git_revision: Some("0".repeat(40)) }
-    }
-
-    fn compiler(&self) -> Compiler {
-        self.compiler.clone()
-    }
-
-    fn machine(&self) -> Machine {
-        self.machine.clone()
-    }
-
-    fn processor_features(&self) -> Vec<&'static str> {
-        self.processor_features.clone()
-    }
-
-    fn program_sha256(&self) -> Option<String> {
-        Some("0".repeat(64))
-    }
-
-    fn peak_rss(&self) -> Option<u64> {
-        Some(64 << 20)
-    }
-
-    fn reset_peak_rss(&self) {}
-
-    fn trial_build(&self, trial: &TrialBuild) -> TrialOutcome {
-        (self.trials)(trial)
-    }
-
-    fn load(&self) -> Load {
-        let mut loads = self.loads.lock().unwrap_or_else(PoisonError::into_inner);
-        if loads.len() > 1 { loads.pop_front() } else { loads.front().copied() }.unwrap_or_default()
-    }
-
-    fn system_root(&self) -> PathBuf {
-        "/nowhere".into()
     }
 }
 
@@ -175,10 +105,9 @@ fn of_processor() -> Vec<&'static str> {
 }
 
 /// Features of the processor that the program does not use.
-pub fn unused(world: &dyn World) -> Vec<&'static str> {
-    let mut features = world.processor_features();
-    let compiled = world.compiler().target_features;
-    features.retain(|name| compiled.iter().all(|c| c != name));
+pub fn unused(world: &World) -> Vec<&'static str> {
+    let mut features = world.processor_features.clone();
+    features.retain(|name| world.compiler.target_features.iter().all(|c| c != name));
     features
 }
 
@@ -193,7 +122,7 @@ mod tests {
     fn processor_features_are_available_and_used() {
         let of = |processor: &[&'static str], compiled: &[&str]| {
             let processor_features = processor.to_vec();
-            let mut world = FixedWorld { processor_features, ..FixedWorld::default() };
+            let mut world = World { processor_features, ..World::fixed() };
             world.compiler.target_features = compiled.iter().map(|&f| f.into()).collect();
             unused(&world)
         };

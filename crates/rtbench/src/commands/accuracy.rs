@@ -45,9 +45,9 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs) -> Result<u8, Error> 
     let rounds = rounds(args);
     let mut record = AccuracyRecord {
         command_line: context.command_line.clone(),
-        tool: context.world.tool(),
-        machine: context.world.machine(),
-        compiler: context.world.compiler(),
+        tool: context.world.tool.clone(),
+        machine: (context.world.machine)(),
+        compiler: context.world.compiler.clone(),
         seed: args.seed,
         quick: args.quick,
         rounds,

@@ -94,10 +94,10 @@ pub fn run(context: &mut Context<'_>, args: &AnimateArgs, view: &ViewOptions) ->
 
 fn new_record(context: &Context<'_>, animate: &Animate<'_>) -> AnimationRecord {
     AnimationRecord {
-        tool: context.world.tool(),
+        tool: context.world.tool.clone(),
         command_line: context.command_line.clone(),
-        machine: context.world.machine(),
-        compiler: context.world.compiler(),
+        machine: (context.world.machine)(),
+        compiler: context.world.compiler.clone(),
         scene: animate.scene.clone(),
         rounds: animate.rounds,
         seed: animate.plan.seed,

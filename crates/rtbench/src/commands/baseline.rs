@@ -96,7 +96,7 @@ fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8)
 
 /// Refuses results of another commit: instructions of this one say nothing of it.
 fn same_program(context: &Context<'_>, path: &Path, record: &RunRecord) -> Result<(), Error> {
-    let (was, is) = (record.tool.git_revision.clone(), context.world.tool().git_revision);
+    let (was, is) = (record.tool.git_revision.clone(), context.world.tool.git_revision.clone());
     if was.is_some() && was == is {
         Ok(())
     } else {

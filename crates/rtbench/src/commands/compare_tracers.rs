@@ -97,7 +97,7 @@ pub fn run(context: &mut Context<'_>, args: &CompareTracersArgs) -> Result<u8, E
         threads,
         seed: frame.seed,
         command_line: context.command_line.clone(),
-        machine: Some(context.world.machine()),
+        machine: Some((context.world.machine)()),
         reference: ReferenceRecord { own_error: reference.own_error, samples: reference_samples },
         images,
         queries,

@@ -23,8 +23,8 @@ use presentation::text::{Screen, painted, wrapped};
 pub fn run(context: &mut Context<'_>, args: &DoctorArgs) -> Result<u8, Error> {
     let noise = Noise::measured(context.clock);
     let system = System {
-        root: context.world.system_root(),
-        threads: context.world.machine().threads,
+        root: context.world.system_root.clone(),
+        threads: (context.world.machine)().threads,
         unused: world::unused(context.world),
         noise: noise.judged(),
     };

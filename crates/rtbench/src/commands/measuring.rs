@@ -232,7 +232,7 @@ impl<'a, 'c> RunInProgress<'a, 'c> {
         self.kept.count.fetch_add(1, SeqCst);
         let record = &mut self.record;
         record.scenes.push(scene);
-        record.peak_rss_bytes = self.context.world.peak_rss().max(record.peak_rss_bytes);
+        record.peak_rss_bytes = (self.context.world.peak_rss)().max(record.peak_rss_bytes);
         self.is_summed_up = self.kept.journal.is_none() || is_due(record.scenes.len());
         if !self.is_summed_up {
             return appended.map(|()| false);
@@ -291,7 +291,7 @@ impl<'a, 'c> RunInProgress<'a, 'c> {
         }
         record.complete = true;
         record.floor = self.processes.take().and_then(|own| own.floor(&record.scenes));
-        record.load[1] = self.context.world.load();
+        record.load[1] = (self.context.world.load)();
         record.warnings = warnings::of(record);
         let appended = self.kept.append(|| Line::Complete);
         let kept_well = appended.and_then(|()| self.write(true));
@@ -348,14 +348,14 @@ pub fn warn_of(context: &mut Context<'_>, scene: &SceneRecord) {
     }
 }
 
-pub fn begin(world: &dyn World, command_line: &[String], plan: &Plan<'_>) -> RunRecord {
+pub fn begin(world: &World, command_line: &[String], plan: &Plan<'_>) -> RunRecord {
     RunRecord {
         schema_version: SCHEMA_VERSION,
-        tool: world.tool(),
+        tool: world.tool.clone(),
         command_line: command_line.to_vec(),
-        started_unix_s: world.unix_seconds(),
-        machine: world.machine(),
-        compiler: world.compiler(),
+        started_unix_s: (world.unix_seconds)(),
+        machine: (world.machine)(),
+        compiler: world.compiler.clone(),
         settings: Settings {
             seed: plan.seed,
             threads: plan.threads,
@@ -379,9 +379,9 @@ pub fn begin(world: &dyn World, command_line: &[String], plan: &Plan<'_>) -> Run
                 _ => TIME_OF_DAY.into(),
             },
         },
-        peak_rss_bytes: world.peak_rss(),
+        peak_rss_bytes: (world.peak_rss)(),
         planned: plan.scenes.iter().map(|scene| scene.name().to_owned()).collect(),
-        load: [world.load(); 2],
+        load: [(world.load)(); 2],
         shard: plan.part.as_ref().map(|part| part.record.clone()),
         ..RunRecord::default()
     }

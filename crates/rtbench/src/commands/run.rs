@@ -197,7 +197,7 @@ fn manifest(context: &Context<'_>, plan: &Plan<'_>, record: &RunRecord) -> Manif
     Manifest {
         schema_version: record.schema_version,
         tool: record.tool.clone(),
-        program_sha256: context.world.program_sha256(),
+        program_sha256: (context.world.program_sha256)(),
         compiler: record.compiler.clone(),
         machine: record.machine.clone(),
         settings: record.settings.clone(),

@@ -20,7 +20,7 @@ use accel_core::{Hit, Ray, Scalar};
 use measurement::record::{RowRecord, RunRecord};
 use measurement::scenes::{InstalledScenes, SceneSource};
 use measurement::system::clock::{Clock, SteppingClock, SystemClock};
-use measurement::system::world::{FixedWorld, World};
+use measurement::system::world::World;
 use rtbench::context::{Context, Terminal};
 
 /// Brute force that forgets the first primitive, which the camera sees in the scenes of these
@@ -248,7 +248,7 @@ pub fn run_over(
     clock: &dyn Clock,
     arguments: &str,
 ) -> Ended {
-    let world = FixedWorld::default();
+    let world = World::fixed();
     run_in_world(registry, occluders, scenes, clock, &world, arguments)
 }
 
@@ -258,7 +258,7 @@ pub fn run_in_world(
     occluders: &[occluders::Entry],
     scenes: &dyn SceneSource,
     clock: &dyn Clock,
-    world: &dyn World,
+    world: &World,
     arguments: &str,
 ) -> Ended {
     let terminal = Terminal { columns: Some(100), ..Terminal::default() };
@@ -270,7 +270,7 @@ pub fn run_in_world(
 pub fn run_within(width: usize, arguments: &str) -> Ended {
     let clock = SteppingClock::new(Duration::from_millis(1));
     let terminal = Terminal { found_width: Some(width), ..Terminal::default() };
-    let world = FixedWorld::default();
+    let world = World::fixed();
     let occluders = occluders::REGISTRY;
     run_in_terminal(REGISTRY, occluders, &InstalledScenes, &clock, &world, terminal, arguments)
 }
@@ -280,7 +280,7 @@ fn run_in_terminal(
     occluders: &[occluders::Entry],
     scenes: &dyn SceneSource,
     clock: &dyn Clock,
-    world: &dyn World,
+    world: &World,
     terminal: Terminal,
     arguments: &str,
 ) -> Ended {

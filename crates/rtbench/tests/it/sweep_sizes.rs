@@ -18,7 +18,7 @@ use measurement::rounds::trial::{BuildLimits, TrialBuild, TrialOutcome};
 use measurement::scenes::InstalledScenes;
 use measurement::settings::Precision;
 use measurement::system::clock::{Clock, SteppingClock};
-use measurement::system::world::FixedWorld;
+use measurement::system::world::World;
 
 /// Three sizes of 16, 64 and 256 triangles, on few rays.
 const SIZES: &str = "sweep tetra --sizes 16,64,256 --size 16 --rounds 2";
@@ -157,9 +157,9 @@ fn wrong_answers_are_shown_as_such_and_have_no_slope() {
 }
 
 /// Runs in a world where trials end so.
-fn run_tried(trials: fn(&TrialBuild) -> TrialOutcome, arguments: &str) -> Ended {
+fn run_tried(trial_build: fn(&TrialBuild) -> TrialOutcome, arguments: &str) -> Ended {
     let clock = SteppingClock::new(Duration::from_millis(1));
-    let world = FixedWorld { trials, ..FixedWorld::default() };
+    let world = World { trial_build, ..World::fixed() };
     run_in_world(&PLANTED, occluders::REGISTRY, &InstalledScenes, &clock, &world, arguments)
 }
 

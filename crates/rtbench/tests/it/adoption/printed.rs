@@ -5,7 +5,7 @@ use std::time::Duration;
 use accel_core::occluders;
 use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SteppingClock;
-use measurement::system::world::FixedWorld;
+use measurement::system::world::World;
 
 use crate::common::{Folder, PLANTED, run, run_in_world, run_stepping};
 
@@ -53,7 +53,7 @@ fn a_program_compiled_below_its_processor_says_so_once() {
     let told = |features: &[&'static str], arguments: &str| {
         let clock = SteppingClock::new(Duration::from_millis(1));
         let processor_features = features.to_vec();
-        let world = FixedWorld { processor_features, ..FixedWorld::default() };
+        let world = World { processor_features, ..World::fixed() };
         run_in_world(&PLANTED, occluders::REGISTRY, &InstalledScenes, &clock, &world, arguments)
     };
     let said = "compiled without bmi2, lzcnt, which this processor has";

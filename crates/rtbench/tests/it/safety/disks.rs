@@ -6,7 +6,7 @@ use accel_core::structures::REGISTRY;
 use measurement::record::file;
 use measurement::scenes::{InstalledScenes, KnownScene, LoadError, LoadedScene, SceneSource};
 use measurement::system::clock::SystemClock;
-use measurement::system::world::FixedWorld;
+use measurement::system::world::World;
 use rtbench::context::{Context, Environment};
 
 use crate::common::{Ended, Folder, run};
@@ -53,7 +53,7 @@ fn sabotaged(folder: &Path, temporary: &str, act: fn(&Path)) -> Ended {
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let parent = folder.join("parent");
     let scenes = Sabotage { folder: parent.clone(), act };
-    let (clock, world) = (SystemClock::default(), FixedWorld::default());
+    let (clock, world) = (SystemClock::default(), World::fixed());
     let mut context = Context {
         environment: Environment {
             temporary: Some(folder.join(temporary)),

@@ -189,7 +189,7 @@ pub fn trials(
         equipment.progress.message(format!("{scene}: trial build of {}", trial.row));
         Some(match earlier(finished, &trial.row) {
             Some(reason) => TrialOutcome::OverLimit(reason),
-            None => equipment.world.trial_build(&trial),
+            None => (equipment.world.trial_build)(&trial),
         })
     };
     plan.rows.iter().filter_map(outcome).collect()
