@@ -14,7 +14,7 @@ use crate::commands::{check, cost, generate, run_outputs};
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS, USAGE};
 use measurement::record::file;
-use measurement::scenes::{KnownScene, LoadError, SceneSet, SceneSizes, SceneSource, ViewOptions};
+use measurement::scenes::{KnownScene, LoadError, SceneCatalogue, SceneSource, ViewOptions};
 use measurement::settings::choice;
 use presentation::outside::line;
 
@@ -174,10 +174,10 @@ impl SceneSource for GivenView<'_> {
     fn resolve(&self, names: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError> {
         let mut scenes = self.source.resolve(names)?;
         if self.allow_outside {
-            scenes.iter_mut().for_each(|scene| scene.allow_outside());
+            scenes.iter_mut().for_each(|scene| scene.known_mut().allow_outside());
         }
         if !self.view.is_empty() {
-            scenes.iter_mut().for_each(|scene| scene.set_view(&self.view));
+            scenes.iter_mut().for_each(|scene| scene.known_mut().view = self.view.clone());
         }
         Ok(scenes)
     }
@@ -186,16 +186,8 @@ impl SceneSource for GivenView<'_> {
         self.allow_outside
     }
 
-    fn scenes(&self) -> Result<Vec<(String, String)>, LoadError> {
-        self.source.scenes()
-    }
-
-    fn sizes(&self, name: &str) -> Result<SceneSizes, LoadError> {
-        self.source.sizes(name)
-    }
-
-    fn sets(&self) -> Result<Vec<SceneSet>, LoadError> {
-        self.source.sets()
+    fn catalogue(&self) -> Result<SceneCatalogue, LoadError> {
+        self.source.catalogue()
     }
 }
 

@@ -16,7 +16,7 @@ use crate::context::Context;
 use crate::gate::thresholds::{RowThreshold, quantity_named};
 use measurement::plan::error::PlanError;
 use measurement::plan::measured_row::select;
-use measurement::scenes::{SceneSet, SceneSource, SetThreshold};
+use measurement::scenes::{SceneCatalogue, SceneSet, SceneSource, SetThreshold};
 use measurement::settings::choice;
 
 /// Options that a set file may not have: scenes are the set's own, output files the user's, and
@@ -51,13 +51,14 @@ pub fn added_by_set(
     let named: Vec<String> = run.get_many("scenes").into_iter().flatten().cloned().collect();
     let as_set = run.get_one::<String>("as_set").map(String::as_str);
     let Some(set) = set_of(as_set, &named) else { return Ok(Vec::new()) };
-    let own = scenes.set(set)?;
+    let catalogue = scenes.catalogue()?;
+    let own = catalogue.sets().find(|own| own.name == set);
     let quick = own.iter().filter(|_| is_typed(run, "quick")).flat_map(|own| own.quick.clone());
-    let mut options = own.as_ref().map(|own| own.run.clone()).unwrap_or_default();
+    let mut options = own.map(|own| own.run.clone()).unwrap_or_default();
     options.extend(quick);
     if options.is_empty() && is_typed(run, "as_set") {
         let has = |set: &SceneSet| !set.run.is_empty();
-        return Err(without("set with options of its own", set, scenes, has)?);
+        return Err(without("set with options of its own", set, &catalogue, has));
     }
     let Some(known) = cli.find_subcommand("run") else { return Ok(Vec::new()) };
     let mut added = Vec::new();
@@ -169,15 +170,15 @@ fn typed(run: &Command, name: &str, value: &Value) -> Result<(String, Vec<OsStri
 fn without(
     what: &'static str,
     set: &str,
-    scenes: &dyn SceneSource,
+    catalogue: &SceneCatalogue,
     has: impl Fn(&SceneSet) -> bool,
-) -> Result<PlanError, PlanError> {
-    let sets = scenes.sets()?;
-    let mut valid: Vec<&str> = sets.iter().filter(|set| has(set)).map(|set| &*set.name).collect();
+) -> PlanError {
+    let able = catalogue.sets().filter(|set| has(set));
+    let mut valid: Vec<&str> = able.map(|set| &*set.name).collect();
     if valid.is_empty() {
         valid.push("none");
     }
-    Ok(PlanError::unknown(what, set, valid))
+    PlanError::unknown(what, set, valid)
 }
 
 /// The thresholds of the set that a check names: by `--as`, or as its only scene.
@@ -187,16 +188,17 @@ pub fn thresholds_of_check(
     scenes: &[String],
 ) -> Result<Vec<RowThreshold>, PlanError> {
     let Some(set) = set_of(as_set, scenes) else { return Ok(Vec::new()) };
-    let entries = context.scenes.set(set)?.map(|set| set.check).unwrap_or_default();
+    let catalogue = context.scenes.catalogue()?;
+    let entries = catalogue.sets().find(|own| own.name == set).map_or(&[][..], |own| &own.check);
     if entries.is_empty() && as_set.is_some() {
         let has = |set: &SceneSet| !set.check.is_empty();
-        return Err(without("set with thresholds of its own", set, context.scenes, has)?);
+        return Err(without("set with thresholds of its own", set, &catalogue, has));
     }
     let read = |(entry, own): (usize, &SetThreshold)| {
         let place = format!("scenes/sets/{set}.json: check, entry {entry}");
         threshold(context, own).map_err(|why| PlanError::Invalid(format!("{place}: {why}")))
     };
-    (1..).zip(&entries).map(read).collect()
+    (1..).zip(entries).map(read).collect()
 }
 
 /// Reads an entry, or describes its fault.
@@ -251,13 +253,20 @@ mod tests {
             Ok(Vec::new())
         }
 
-        fn sets(&self) -> Result<Vec<SceneSet>, LoadError> {
-            let set = |name, run: &Value, quick: Value| {
-                let set =
-                    json!({"name": name, "title": "", "scenes": [], "run": run, "quick": quick});
-                serde_json::from_value(set).unwrap()
+        fn catalogue(&self) -> Result<SceneCatalogue, LoadError> {
+            let folder = tempfile::tempdir().unwrap();
+            let sets = folder.path().join("sets");
+            std::fs::create_dir(&sets).unwrap();
+            let write = |name: &str, run: &Value, quick: Value| {
+                let set = json!({"name": name, "title": "", "scenes": ["tetra"], "run": run,
+                                 "quick": quick});
+                std::fs::write(sets.join(format!("{name}.json")), set.to_string()).unwrap();
             };
-            Ok(vec![set("own", &self.0, json!({"size": 64})), set("plain", &json!({}), json!({}))])
+            write("own", &self.0, json!({"size": 64}));
+            write("plain", &json!({}), json!({}));
+            let mut catalogue = SceneCatalogue::default();
+            catalogue.add_folder(folder.path())?;
+            Ok(catalogue)
         }
     }
 
@@ -329,9 +338,9 @@ mod tests {
     #[test]
     fn the_sets_that_the_program_carries_are_valid() {
         let mut with_options = Vec::new();
-        for SceneSet { name: set, .. } in InstalledScenes.sets().unwrap() {
+        for SceneSet { name: set, .. } in InstalledScenes.catalogue().unwrap().sets() {
             for quick in ["", "--quick"] {
-                let words = ["rtbench", "run", &set, quick];
+                let words = ["rtbench", "run", set, quick];
                 let words = words.into_iter().filter(|word| !word.is_empty());
                 let arguments: Vec<OsString> = words.map(Into::into).collect();
                 if !added_by_set(&arguments, &InstalledScenes).unwrap().is_empty() {

@@ -160,9 +160,8 @@ impl<'r> Plan<'r> {
     /// Gives its scenes the view and the lights of a record, unless the command line said something
     /// else: then the settings differ, and whoever compares them says so.
     pub fn set_view(&mut self, view: &ViewOptions) {
-        for scene in self.scenes.iter_mut().filter(|scene| scene.view().is_empty()) {
-            scene.set_view(view);
-        }
+        let own = self.scenes.iter_mut().map(|scene| &mut scene.known_mut().view);
+        own.filter(|own| own.is_empty()).for_each(|own| own.clone_from(view));
     }
 
     /// Builds and times each scene in so many processes; 0 is 1.

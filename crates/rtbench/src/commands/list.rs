@@ -14,6 +14,7 @@ use crate::args::{Format, ListArgs, ListSubject};
 use crate::context::Context;
 use crate::error::{Error, SUCCESS};
 use measurement::plan::error::PlanError;
+use measurement::scenes::{SceneSet, titles};
 use presentation::json;
 use presentation::text::Screen;
 use studies::accuracy::axes::AXES;
@@ -30,7 +31,7 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<u8, Error> {
         ListSubject::Tracers => ("tracer", TRACERS.iter().map(|t| tracer(t)).collect()),
         ListSubject::Scenes => {
             let entry = |(name, summary)| json!({"name": name, "summary": summary});
-            ("scene", context.scenes.scenes()?.into_iter().map(entry).collect())
+            ("scene", titles(&context.scenes.catalogue()?).map(entry).collect())
         }
         ListSubject::Animations => {
             let all = ANIMATED.iter().map(|e| {
@@ -40,8 +41,8 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<u8, Error> {
             ("animation", all.collect())
         }
         ListSubject::Sets => {
-            let all = context.scenes.sets()?.into_iter();
-            ("set", all.map(|set| json!({"name": set.name, "scenes": set.scenes})).collect())
+            let entry = |set: &SceneSet| json!({"name": set.name, "scenes": set.scenes});
+            ("set", context.scenes.catalogue()?.sets().map(entry).collect())
         }
         ListSubject::Rays => {
             let all = RayKind::ALL.iter().map(|k| {

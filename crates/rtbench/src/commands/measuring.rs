@@ -371,7 +371,7 @@ pub fn begin(world: &World, command_line: &[String], plan: &Plan<'_>) -> RunReco
                 ShadowRays::FirstLight => Lights::First.name().into(),
             },
             // all scenes of a plan have the same
-            view: plan.scenes.first().map(|s| s.view()).unwrap_or_default(),
+            view: plan.scenes.first().map(|s| s.known().view.clone()).unwrap_or_default(),
             by_kind: plan.by_kind,
             processes: plan.processes,
             timed_by: match plan.threads {

@@ -25,7 +25,7 @@ use measurement::plan::rows::Row;
 use measurement::record::{RunRecord, SceneRecord};
 use measurement::rounds::MeasureError;
 use measurement::rounds::scene_run::light_positions;
-use measurement::scenes::{KnownScene, SceneSource};
+use measurement::scenes::{KnownScene, SceneSource, titles};
 use measurement::system::files::CreatedFiles;
 use measurement::system::machine;
 use measurement::system::pools::pool;
@@ -216,10 +216,10 @@ pub fn scene_pictures(
     run: &RunRecord,
     pictures: &mut BTreeMap<String, Vec<u8>>,
 ) -> Result<(), Error> {
-    let Ok(known) = context.scenes.scenes() else { return Ok(()) };
+    let Ok(catalogue) = context.scenes.catalogue() else { return Ok(()) };
     let is_known = |name: &str| {
         let family = name.split_once(':').map_or(name, |(family, _)| family);
-        known.iter().any(|(known, _)| known == family || known == name)
+        titles(&catalogue).any(|(known, _)| known == family || known == name)
     };
     let missing: Vec<&SceneRecord> = run
         .scenes

@@ -7,7 +7,7 @@ use scene_loading::info::SceneInfo;
 use crate::args::{SceneNames, ScenesAction};
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
-use measurement::scenes::{KnownScene, LoadError, LoadedScene};
+use measurement::scenes::{KnownScene, LoadError, LoadedScene, titles};
 use presentation::outside::line;
 
 pub fn run(context: &mut Context<'_>, action: &ScenesAction) -> Result<u8, Error> {
@@ -20,7 +20,8 @@ pub fn run(context: &mut Context<'_>, action: &ScenesAction) -> Result<u8, Error
 
 fn named(context: &Context<'_>, names: &SceneNames) -> Result<Vec<Box<dyn KnownScene>>, Error> {
     if names.names.is_empty() {
-        let all: Vec<String> = context.scenes.scenes()?.into_iter().map(|(name, _)| name).collect();
+        let catalogue = context.scenes.catalogue()?;
+        let all: Vec<String> = titles(&catalogue).map(|(name, _)| name.to_owned()).collect();
         return Ok(context.scenes.resolve(&all)?);
     }
     Ok(context.scenes.resolve(&names.names)?)
@@ -72,7 +73,8 @@ fn validate(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> 
         for warning in &warnings {
             screen.write_item(context.out, &format!("  {warning}"), 4)?;
         }
-        for text in scene.second_opinion()? {
+        let opinion = scene.known().second_opinion()?;
+        for text in opinion.map(|opinion| opinion.lines()).unwrap_or_default() {
             screen.write_item(context.out, &format!("  {text}"), 4)?;
         }
         Ok(())
@@ -81,7 +83,7 @@ fn validate(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> 
 
 fn fetch(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
     for_each_scene(context, names, |context, scene| {
-        let fetched = scene.fetch()?.map(|path| path.display().to_string());
+        let fetched = scene.known().fetch()?.map(|path| path.display().to_string());
         let said = fetched.as_deref().unwrap_or("nothing to fetch");
         writeln!(context.out, "{}: {}", line(scene.name()), line(said))?;
         Ok(())

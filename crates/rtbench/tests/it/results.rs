@@ -8,7 +8,9 @@ use crate::common::{Ended, Folder, PLANTED, row, run_stepping, run_with};
 use accel_core::structures::REGISTRY;
 use measurement::record::SCHEMA_VERSION;
 use measurement::record::Warning;
-use measurement::scenes::{InstalledScenes, KnownScene, LoadError, LoadedScene, SceneSource};
+use measurement::scenes::{
+    InstalledScenes, KnownScene, LoadError, LoadedScene, SceneCatalogue, SceneRef, SceneSource,
+};
 use measurement::system::clock::{Clock, SteppingClock, SystemClock};
 
 pub const HEADER: &str = "scene,primitives,structure,settings,resolution,n_in,n_v,n_ev,n_oiv,n_it,\
@@ -207,28 +209,36 @@ fn an_unnamed_reference_is_added_when_asked_for() {
     assert_eq!(record.scenes[0].rows.len(), 2);
 }
 
+fn scene_of(name: &str) -> SceneRef {
+    SceneCatalogue::embedded().unwrap().resolve(&[name.to_owned()]).unwrap().remove(0)
+}
+
 /// Two scenes; when the second is loaded, the first must be in the files already.
 #[derive(Debug, Clone)]
 struct Watching {
-    name: &'static str,
+    scene: SceneRef,
     csv: PathBuf,
     seen: Arc<std::sync::Mutex<Vec<usize>>>,
 }
 
 impl KnownScene for Watching {
-    fn name(&self) -> &str {
-        self.name
+    fn known(&self) -> &SceneRef {
+        &self.scene
+    }
+    fn known_mut(&mut self) -> &mut SceneRef {
+        &mut self.scene
     }
     fn load(&self) -> Result<LoadedScene, LoadError> {
         let lines = std::fs::read_to_string(&self.csv).map_or(0, |text| text.lines().count());
         self.seen.lock().unwrap().push(lines);
-        InstalledScenes.resolve(&[self.name.to_owned()])?.remove(0).load()
+        self.scene.load()
     }
 }
 
 impl SceneSource for Watching {
     fn resolve(&self, names: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError> {
-        let of = |name| Box::new(Self { name, ..self.clone() }) as Box<dyn KnownScene>;
+        let of =
+            |name| Box::new(Self { scene: scene_of(name), ..self.clone() }) as Box<dyn KnownScene>;
         Ok(names.iter().flat_map(|_| ["tetra:1", "tetra:2"]).map(of).collect())
     }
 }
@@ -237,7 +247,7 @@ impl SceneSource for Watching {
 fn finished_scenes_are_written_before_the_next_begins() {
     let folder = Folder::new();
     let csv = PathBuf::from(folder.path()).join("results.csv");
-    let scenes = Watching { name: "", csv, seen: Arc::default() };
+    let scenes = Watching { scene: scene_of("tetra:1"), csv, seen: Arc::default() };
     let arguments = format!("run both --quick -s uniform-grid,obvhs-cwbvh -o {}", folder.path());
     let ended = run_with(&PLANTED, &scenes, &SystemClock::default(), &arguments);
     assert_eq!(ended.code, 0, "{}", ended.err);
@@ -250,10 +260,13 @@ fn finished_scenes_are_written_before_the_next_begins() {
 #[test]
 fn a_failing_scene_loses_only_its_own_rows() {
     #[derive(Debug)]
-    struct Failing;
+    struct Failing(SceneRef);
     impl KnownScene for Failing {
-        fn name(&self) -> &str {
-            "failing"
+        fn known(&self) -> &SceneRef {
+            &self.0
+        }
+        fn known_mut(&mut self) -> &mut SceneRef {
+            &mut self.0
         }
         fn load(&self) -> Result<LoadedScene, LoadError> {
             InstalledScenes.resolve(&["no-such-scene".to_owned()])?.remove(0).load()
@@ -263,7 +276,9 @@ fn a_failing_scene_loses_only_its_own_rows() {
     impl SceneSource for Both {
         fn resolve(&self, _: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError> {
             let mut scenes = InstalledScenes.resolve(&["tetra:1".to_owned()])?;
-            scenes.insert(0, Box::new(Failing));
+            let mut failing = Failing(scene_of("tetra:1"));
+            failing.0.name = "failing".into();
+            scenes.insert(0, Box::new(failing));
             Ok(scenes)
         }
     }

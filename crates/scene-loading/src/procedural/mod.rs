@@ -100,20 +100,28 @@ pub(crate) fn size_of(
     size.ok_or_else(|| SpecError::BadSize { name, size: text.to_owned(), max_size, default_size })
 }
 
-/// Generates the scene that `spec` names: `name` or `name:size`.
-///
-/// [`Scene::name`] is the spec in its shortest form: `balls` at the default size, else `balls:5`.
+/// The generator and the size factor that `spec` names: `name` or `name:size`.
 ///
 /// # Errors
 /// [`SpecError`] when the name is unknown or the size is not a number from 1 to the generator's
 /// largest.
-pub fn generate(spec: &str) -> Result<Scene, SpecError> {
+pub fn generator_of(spec: &str) -> Result<(&'static SpdEntry, u32), SpecError> {
     let (name, size) = split_spec(spec);
     let entry = generators().find(|entry| entry.name == name).ok_or_else(|| {
         let known = generators().map(|entry| entry.name).collect::<Vec<_>>().join(", ");
         SpecError::UnknownName { name: name.to_owned(), known }
     })?;
-    let size = size_of(entry.name, size, entry.default_size, entry.max_size)?;
+    Ok((entry, size_of(entry.name, size, entry.default_size, entry.max_size)?))
+}
+
+/// Generates the scene that `spec` names: `name` or `name:size`.
+///
+/// [`Scene::name`] is the spec in its shortest form: `balls` at the default size, else `balls:5`.
+///
+/// # Errors
+/// As [`generator_of`].
+pub fn generate(spec: &str) -> Result<Scene, SpecError> {
+    let (entry, size) = generator_of(spec)?;
     let mut scene = (entry.generate)(size);
     scene.name = if size == entry.default_size {
         entry.name.to_owned()

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use accel_core::structures::REGISTRY;
 use measurement::record::file;
-use measurement::scenes::{InstalledScenes, KnownScene, LoadError, LoadedScene, SceneSource};
+use measurement::scenes::{
+    InstalledScenes, KnownScene, LoadError, LoadedScene, SceneRef, SceneSource,
+};
 use measurement::system::clock::SystemClock;
 use measurement::system::world::World;
 use rtbench::context::{Context, Environment};
@@ -26,8 +28,11 @@ struct Last {
 }
 
 impl KnownScene for Last {
-    fn name(&self) -> &str {
-        self.scene.name()
+    fn known(&self) -> &SceneRef {
+        self.scene.known()
+    }
+    fn known_mut(&mut self) -> &mut SceneRef {
+        self.scene.known_mut()
     }
     fn load(&self) -> Result<LoadedScene, LoadError> {
         (self.act)(&self.folder);

@@ -106,7 +106,7 @@ impl<'r> SizeSweep<'r> {
 
 /// The nearest size to each number of primitives asked for.
 fn sizes_of(args: &SizeSettings, scenes: &dyn SceneSource) -> Result<Vec<SizeRecord>, PlanError> {
-    let sizes = scenes.sizes(&args.scene)?;
+    let sizes = scenes.catalogue()?.sizes(&args.scene)?;
     let mut found: Vec<SizeRecord> = Vec::new();
     for asked in args.sizes.0.iter().copied() {
         let (name, primitives) = sizes.nearest(asked);
@@ -180,7 +180,7 @@ pub fn trials(
     let outcome = |row: &MeasuredRow<'_>| {
         let trial = TrialBuild {
             scene: scene.to_owned(),
-            view: plan.scenes.first().map(|known| known.view()).unwrap_or_default(),
+            view: plan.scenes.first().map(|scene| scene.known().view.clone()).unwrap_or_default(),
             row: row.label(),
             threads: plan.threads,
             precision: plan.precision,
