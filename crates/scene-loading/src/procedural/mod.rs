@@ -4,7 +4,7 @@
 //! Standard Graphics Environments", IEEE CG&A 7(11), 1987. Geometry, views, lights and materials
 //! follow release 3.14 (<https://github.com/erich666/StandardProceduralDatabases>, CC0); each
 //! module names the file its figures are from. Arithmetic is done in `f64` in the same order as
-//! there, so that a scene printed with six digits ([`write_nff`]) equals the files in use since.
+//! there, so that a scene printed with six digits equals the files in use since.
 //!
 //! A scene is named by a spec: `balls` (default size) or `balls:5`.
 
@@ -14,7 +14,6 @@ pub(crate) mod gears;
 pub(crate) mod hare;
 mod lattice;
 mod mount;
-mod nff_export;
 pub(crate) mod parts;
 mod rings;
 mod stadium;
@@ -23,9 +22,9 @@ mod teapot;
 mod tetra;
 mod tree;
 
-pub use nff_export::{PrintfG, round_to_printed, write_nff};
+use glam::DVec3;
 
-use crate::scene::Scene;
+use crate::scene::{Light, Scene};
 
 #[derive(Debug, Clone, Copy)]
 pub struct SpdEntry {
@@ -140,4 +139,55 @@ pub fn generate_as_printed(spec: &str) -> Result<Scene, SpecError> {
     let mut scene = generate(spec)?;
     round_to_printed(&mut scene);
     Ok(scene)
+}
+
+/// Rounds every number of the scene - coordinates, radii, normals, colours, shares, exponents,
+/// view - to what C's `printf("%g")` prints (six significant digits), as if it had been written to
+/// an NFF file and read again.
+pub fn round_to_printed(scene: &mut Scene) {
+    let camera = &mut scene.camera;
+    round_vectors([&mut camera.from, &mut camera.at, &mut camera.up]);
+    round([&mut camera.angle, &mut camera.hither]);
+    round(&mut scene.background);
+    for light in &mut scene.lights {
+        let (Light::Point { position, color } | Light::Disc { position, color, .. }) = light;
+        round_vectors([position]);
+        round(color.iter_mut().flatten());
+    }
+    for material in &mut scene.materials {
+        round(&mut material.color);
+        round([
+            &mut material.diffuse,
+            &mut material.specular,
+            &mut material.shine,
+            &mut material.transmittance,
+            &mut material.refraction_index,
+        ]);
+    }
+    round_vectors(scene.vertices.iter_mut().chain(&mut scene.normals));
+    for sphere in &mut scene.spheres {
+        round_vectors([&mut sphere.center]);
+        round([&mut sphere.radius]);
+    }
+    for cone in &mut scene.cones {
+        round_vectors([&mut cone.base, &mut cone.apex]);
+        round([&mut cone.base_radius, &mut cone.apex_radius]);
+    }
+}
+
+fn round_vectors<'a>(vectors: impl IntoIterator<Item = &'a mut DVec3>) {
+    for vector in vectors {
+        *vector = vector.map(printed);
+    }
+}
+
+fn round<'a>(numbers: impl IntoIterator<Item = &'a mut f64>) {
+    for number in numbers {
+        *number = printed(*number);
+    }
+}
+
+/// The number rounded to six significant decimal digits; negative zero becomes plain.
+fn printed(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x) + 0.0
 }

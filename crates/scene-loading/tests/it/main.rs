@@ -17,6 +17,7 @@ mod load_nff;
 mod load_obj;
 mod load_pbrt;
 mod load_textures;
+mod nff_text;
 mod procedural;
 mod view;
 

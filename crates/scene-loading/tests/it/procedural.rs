@@ -8,10 +8,11 @@
 use std::collections::HashMap;
 
 use glam::DVec3;
-use scene_loading::procedural::{self, OURS, SPD, SpecError, write_nff};
+use scene_loading::procedural::{self, OURS, SPD, SpecError};
 use scene_loading::{Light, Scene, Shape};
 use sha2::{Digest, Sha256};
 
+use crate::nff_text::write_nff;
 use crate::triangles;
 
 /// What the original file of a scene holds: its name; numbers of spheres, cones, polygons, patches;
