@@ -92,7 +92,7 @@ pub fn parse_tray_racing(
     let sun = DVec3::from_array(entry.sun_direction).normalize_or_zero();
     let bounds = scene.bounds();
     if sun != DVec3::ZERO && !bounds.is_empty() {
-        scene.lights = vec![Light::Point { position: sun_position(&bounds, sun), color: None }];
+        scene.lights = vec![Light::point(sun_position(&bounds, sun), None)];
     }
     Ok(scene)
 }

@@ -56,7 +56,7 @@ pub struct UpOption(pub DVec3);
 pub struct LightOption {
     /// Where it is, world units.
     pub position: DVec3,
-    /// Its colour; see [`Light::Point`] for its absence.
+    /// Its colour; see [`Light::color`] for its absence.
     pub color: Option<Rgb>,
 }
 
@@ -93,10 +93,7 @@ impl ViewOptions {
             camera.check(|| FilePlace::file(Path::new(&place)))?;
         }
         if !self.lights.is_empty() {
-            let near = |light: &LightOption| Light::Point {
-                position: light.position - origin,
-                color: light.color,
-            };
+            let near = |light: &LightOption| Light::point(light.position - origin, light.color);
             scene.lights = self.lights.iter().map(near).collect();
         }
         Ok(())
@@ -107,7 +104,7 @@ impl ViewOptions {
 /// surface is black and there are no shadow rays.
 pub(crate) fn light_if_dark(scene: &mut Scene) {
     if scene.lights.is_empty() {
-        scene.lights.push(Light::Point { position: scene.camera.from, color: None });
+        scene.lights.push(Light::point(scene.camera.from, None));
         let text = "no lights: added one at the eye; set others with --light X,Y,Z or a scene file";
         scene.warn(text);
     }

@@ -23,7 +23,7 @@ use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use glam::DVec3;
 use renderer::{Geometry, RayKind, RaySettings, ShadowRays};
-use scene_loading::{Light, Scene};
+use scene_loading::Scene;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -150,7 +150,7 @@ fn check_rows<S: Buildable>(scope: &Scope<'_, '_, S>, equipment: &SceneInput<'_>
 
 /// Positions of the lights of a scene; centres of those with an extent.
 pub fn light_positions(scene: &Scene) -> Vec<DVec3> {
-    scene.lights.iter().map(Light::position).collect()
+    scene.lights.iter().map(|light| light.position).collect()
 }
 
 /// Positions of the lights that shadow rays run to: an occluder is built for these.

@@ -44,7 +44,7 @@ pub static EFFECTS: [EffectInfo; Effect::COUNT] = [
         name: "hard shadows",
         paper: "Appel 1968",
         called_by: |scene, _| {
-            let points = scene.lights.iter().filter(|light| light.radius() <= 0.0).count();
+            let points = scene.lights.iter().filter(|light| light.radius <= 0.0).count();
             counted(points, "light").map(|lights| lights + " without a radius")
         },
     },
@@ -53,7 +53,7 @@ pub static EFFECTS: [EffectInfo; Effect::COUNT] = [
         name: "soft shadows",
         paper: "Cook, Porter, Carpenter 1984",
         called_by: |scene, _| {
-            let discs = scene.lights.iter().filter(|light| light.radius() > 0.0).count();
+            let discs = scene.lights.iter().filter(|light| light.radius > 0.0).count();
             counted(discs, "light").map(|lights| lights + " with a radius")
         },
     },

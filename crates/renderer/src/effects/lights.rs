@@ -21,7 +21,7 @@ pub fn lights(scene: &Scene) -> Vec<(DVec3, Rgb, f64)> {
     // SPD's documentation asks for this where a file gives no colours
     let default = [1.0 / (scene.lights.len().max(1) as f64).sqrt(); 3];
     let lights = scene.lights.iter();
-    lights.map(|l| (l.position(), l.color().unwrap_or(default), l.radius())).collect()
+    lights.map(|l| (l.position, l.color.unwrap_or(default), l.radius)).collect()
 }
 
 /// The side of the surface that lights are seen from.

@@ -282,7 +282,7 @@ fn mirror_ball() -> Scene {
     }
     scene.push_sphere(mirror, DVec3::ZERO, 1.0);
     scene.background = [0.3, 0.5, 0.9];
-    scene.lights = vec![Light::Point { position: dvec3(9.0, 20.0, 12.0), color: Some([1.0; 3]) }];
+    scene.lights = vec![Light::point(dvec3(9.0, 20.0, 12.0), Some([1.0; 3]))];
     scene.camera = Camera {
         from: dvec3(0.0, 0.5, 6.0),
         at: dvec3(0.0, -0.2, 0.9),

@@ -28,7 +28,7 @@ fn half_plane(occluded: bool) -> Scene {
     if occluded {
         scene.push_polygon(m, &quad(1.0, -9.0, 0.0));
     }
-    scene.lights = vec![Light::Disc { position: LIGHT, color: Some([1.0; 3]), radius: RADIUS }];
+    scene.lights = vec![Light { position: LIGHT, color: Some([1.0; 3]), radius: RADIUS }];
     let (from, up, angle) = (dvec3(0.0, 0.9, 0.0), DVec3::Z, 0.95);
     scene.camera = Camera { from, at: DVec3::ZERO, up, angle, ..Camera::default() };
     scene

@@ -9,7 +9,7 @@ pub fn stage(name: &str) -> Scene {
     scene.background = [0.2, 0.4, 0.6];
     scene.camera = Camera { from: dvec3(0.1, 0.2, 5.0), angle: 50.0, ..Camera::default() };
     let position = dvec3(3.0, 6.0, 4.0);
-    scene.lights.push(Light::Point { position, color: Some([1.0; 3]) });
+    scene.lights.push(Light::point(position, Some([1.0; 3])));
     scene
 }
 
@@ -150,7 +150,7 @@ pub fn soup(seed: u64, count: u32) -> Scene {
         scene.push_material(Material { color, specular, shine: 3.0, ..Material::default() })
     });
     let fill = dvec3(-1.0, -0.5, 3.0);
-    scene.lights.push(Light::Point { position: fill, color: Some([0.5; 3]) });
+    scene.lights.push(Light::point(fill, Some([0.5; 3])));
     for k in 0..count {
         let material = materials[usize::from(k % 5 == 0)];
         let (corner, a, b) = (point(5.0), point(2.5), point(2.5));
@@ -170,7 +170,7 @@ pub fn square_shadow() -> Scene {
     rectangle(&mut scene, m, dvec3(-9.0, -9.0, 0.0), DVec3::X * 18.0, DVec3::Y * 18.0);
     rectangle(&mut scene, m, dvec3(-0.3, -0.2, 2.0), DVec3::X * 0.5, DVec3::Y * 0.6);
     let position = dvec3(0.3, 0.1, 5.0);
-    scene.lights = vec![Light::Point { position, color: Some([1.0; 3]) }];
+    scene.lights = vec![Light::point(position, Some([1.0; 3]))];
     let angle = 2.0_f64.atan2(2.0).to_degrees() * 2.0;
     let (from, at) = (DVec3::Z, DVec3::ZERO);
     scene.camera = Camera { from, at, up: DVec3::Y, angle, ..Camera::default() };

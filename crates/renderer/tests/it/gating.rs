@@ -6,7 +6,7 @@ use glam::DVec3;
 use renderer::effects::EFFECTS;
 use renderer::tracers::whitted::Whitted;
 use renderer::{Effect, EffectPlan, RaySettings, RenderSettings, render};
-use scene_loading::{Light, SampleWishes, Scene};
+use scene_loading::{SampleWishes, Scene};
 
 use crate::{
     bits, effect_scene, effect_scenes, image, image_of, samples, samples_without_area, settings,
@@ -103,11 +103,7 @@ type Scaled = fn(&mut Scene, f64);
 fn extents_of_0_at_64_samples_are_1_sample_bit_for_bit() {
     let cases: &[(&str, Scaled)] = &[
         ("effect-soft-shadows", |scene, factor| {
-            for light in &mut scene.lights {
-                if let Light::Disc { radius, .. } = light {
-                    *radius *= factor;
-                }
-            }
+            scene.lights.iter_mut().for_each(|light| light.radius *= factor);
         }),
         ("effect-gloss", |scene, factor| {
             scene.materials.iter_mut().for_each(|m| m.roughness *= factor);

@@ -69,7 +69,7 @@ fn nested_glass_ends_at_the_depth_cap() {
         let m = scene.push_material(glass(index));
         scene.push_sphere(m, DVec3::ZERO, 2.0 - 0.3 * i as f64);
     }
-    scene.lights = vec![Light::Disc { position: dvec3(3.0, 3.0, 3.0), color: None, radius: 0.5 }];
+    scene.lights = vec![Light { position: dvec3(3.0, 3.0, 3.0), color: None, radius: 0.5 }];
     scene.camera = camera();
     scene.background = [0.3, 0.4, 0.5];
     let mut rays = Vec::new();
@@ -108,7 +108,7 @@ fn lights_in_awkward_places() {
             scene.push_sphere(g, dvec3(1.0, 0.0, 0.0), 0.5);
             scene.push_sphere(rough, dvec3(-1.0, 0.5, 0.5), 0.3);
             scene.push_sphere(rough, dvec3(-1.0, 0.5, 1.5), 0.0);
-            scene.lights = vec![Light::Disc { position, color: None, radius }];
+            scene.lights = vec![Light { position, color: None, radius }];
             scene.camera = Camera { aperture: 0.1, shutter: 1.0, ..camera() };
             scene.last_moves(DVec3::X);
             check(&scene, &settings([16, 16], samples(2)));

@@ -88,12 +88,12 @@ impl World {
         scene.camera = self.camera(time)?;
         for (branch, light) in &self.lights {
             let to_world = placement(&placements, *branch).to_world;
-            let position = to_world.transform_point3(light.position());
+            let position = to_world.transform_point3(light.position);
             if !position.is_finite() {
                 let place = FilePlace::file(&self.path);
                 return Err(LoadError::not_finite(place, "the place of a light", NOT_FINITE));
             }
-            scene.lights.push(Light::Point { position, color: light.color() });
+            scene.lights.push(Light::point(position, light.color));
         }
         for patch in &self.patches {
             patch.set(time, &mut scene);

@@ -81,7 +81,7 @@ impl<'a> NodeWalker<'a> {
         for (position, color, intensity) in &self.lights {
             let scale = if strongest > 0.0 { intensity / strongest } else { 0.0 };
             let color = Some(color.map(|c| c * scale));
-            self.scene.lights.push(Light::Point { position: *position, color });
+            self.scene.lights.push(Light::point(*position, color));
         }
         self.counts.warn(&mut self.scene);
         let unsaid = self.unsaid + self.textures.unsaid;

@@ -250,7 +250,7 @@ pub(crate) fn light(words: &mut Words<'_>) -> Result<Light, LoadError> {
         Some(word) if word.looks_numeric() => Some(words.vector("light colour")?.to_array()),
         _ => None,
     };
-    Ok(Light::Point { position, color })
+    Ok(Light::point(position, color))
 }
 
 /// Reads the arguments of an `f` statement.

@@ -81,7 +81,7 @@ pub(super) fn add_lights(lights: &[LightEntry], scene: &mut Scene) {
             continue;
         }
         let color = (strongest > 0.0).then(|| light.color.map(|share| share / strongest));
-        scene.lights.push(Light::Point { position, color });
+        scene.lights.push(Light::point(position, color));
     }
 }
 

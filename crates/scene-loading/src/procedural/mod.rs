@@ -24,7 +24,7 @@ mod tree;
 
 use glam::DVec3;
 
-use crate::scene::{Light, Scene};
+use crate::scene::Scene;
 
 #[derive(Debug, Clone, Copy)]
 pub struct SpdEntry {
@@ -150,9 +150,8 @@ pub fn round_to_printed(scene: &mut Scene) {
     round([&mut camera.angle, &mut camera.hither]);
     round(&mut scene.background);
     for light in &mut scene.lights {
-        let (Light::Point { position, color } | Light::Disc { position, color, .. }) = light;
-        round_vectors([position]);
-        round(color.iter_mut().flatten());
+        round_vectors([&mut light.position]);
+        round(light.color.iter_mut().flatten());
     }
     for material in &mut scene.materials {
         round(&mut material.color);

@@ -21,10 +21,7 @@ pub(crate) fn stage(camera: Camera, lights: &[[f64; 3]]) -> Scene {
     Scene {
         camera,
         background: SKY,
-        lights: lights
-            .iter()
-            .map(|&p| Light::Point { position: DVec3::from_array(p), color: None })
-            .collect(),
+        lights: lights.iter().map(|&p| Light::point(DVec3::from_array(p), None)).collect(),
         ..Scene::default()
     }
 }

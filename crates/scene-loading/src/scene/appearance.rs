@@ -60,48 +60,41 @@ impl Default for Material {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Light {
-    /// A point light without falloff, as NFF's `l`.
-    Point {
-        position: DVec3,
-        /// Its colour, or `None` where the file gives none (then every light counts
-        /// 1/sqrt(number of lights), as SPD's documentation asks).
-        color: Option<Rgb>,
-    },
-    /// A light without falloff that has an extent: a disc that faces whatever it lights, as a
-    /// ball does. Of radius 0 it is a point light.
-    Disc {
-        position: DVec3,
-        /// As for [`Light::Point`].
-        color: Option<Rgb>,
-        /// Radius in world units, >= 0.
-        radius: f64,
-    },
+/// A light without falloff: a point, or a disc that faces what it lights.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename = "LightEntry", deny_unknown_fields)]
+pub struct Light {
+    /// Where it is.
+    #[serde(deserialize_with = "vector")]
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 3]"))]
+    pub position: DVec3,
+    /// Its colour; without one it counts 1/sqrt(number of lights), as SPD's documentation asks.
+    pub color: Option<Rgb>,
+    /// Radius of the disc in world units; 0 is a point.
+    #[serde(default, deserialize_with = "at_least_0")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
+    pub radius: f64,
 }
 
 impl Light {
-    /// Position of its centre.
-    pub fn position(&self) -> DVec3 {
-        match *self {
-            Self::Point { position, .. } | Self::Disc { position, .. } => position,
-        }
+    /// A light of radius 0, as NFF's `l`.
+    pub const fn point(position: DVec3, color: Option<Rgb>) -> Self {
+        Self { position, color, radius: 0.0 }
     }
+}
 
-    /// Its colour, where the file gives one.
-    pub fn color(&self) -> Option<Rgb> {
-        match *self {
-            Self::Point { color, .. } | Self::Disc { color, .. } => color,
-        }
+/// A length or a time.
+pub(crate) fn at_least_0<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    let x = f64::deserialize(from)?;
+    if x >= 0.0 {
+        return Ok(x);
     }
+    Err(D::Error::custom(format!("found {x}, expected a number of at least 0")))
+}
 
-    /// Its radius in world units; 0 for a point.
-    pub fn radius(&self) -> f64 {
-        match *self {
-            Self::Point { .. } => 0.0,
-            Self::Disc { radius, .. } => radius,
-        }
-    }
+fn vector<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
+    <[f64; 3]>::deserialize(from).map(DVec3::from_array)
 }
 
 /// An image, rows from the top.

@@ -8,7 +8,7 @@
 
 use glam::DVec3;
 
-use crate::scene::{Bounds, Light, Scene, Warning};
+use crate::scene::{Bounds, Scene, Warning};
 
 /// A coordinate is rebased where the middle of the scene is more than this many extents away from
 /// 0. No scene of the catalogue is that far away; what stays where it is has 20 of the 24 bits of
@@ -84,11 +84,7 @@ impl Scene {
         self.origin = origin;
         self.camera.from -= by;
         self.camera.at -= by;
-        for light in &mut self.lights {
-            match light {
-                Light::Point { position, .. } | Light::Disc { position, .. } => *position -= by,
-            }
-        }
+        self.lights.iter_mut().for_each(|light| light.position -= by);
         self.vertices.iter_mut().for_each(|vertex| *vertex -= by);
         self.spheres.iter_mut().for_each(|sphere| sphere.center -= by);
         for cone in &mut self.cones {

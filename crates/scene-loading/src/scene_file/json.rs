@@ -66,11 +66,6 @@ fn checked<'de, D: Deserializer<'de>>(
     }
 }
 
-/// A length or a time.
-pub(crate) fn at_least_0<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
-    checked(from, |x| x >= 0.0, "a number of at least 0")
-}
-
 /// A length that may be missing but not 0.
 pub(crate) fn above_0<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
     checked(from, |x| x > 0.0, "a number above 0").map(Some)

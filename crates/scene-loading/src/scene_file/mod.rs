@@ -31,8 +31,8 @@ use serde::Deserialize;
 use crate::error::{FilePlace, LoadError};
 use crate::fetch::PackageAsset;
 use crate::limits::{self, MAX_LIGHTS, MAX_MATERIALS};
-use crate::scene::{Camera, Light, Material, Rgb, SampleWishes, Scene};
-use crate::scene_file::json::{above_0, at_least_0, share};
+use crate::scene::{Camera, Light, Material, Rgb, SampleWishes, Scene, at_least_0};
+use crate::scene_file::json::{above_0, share};
 use crate::scene_file::json::{check_name, from_json, unknown_material};
 use crate::scene_file::shapes::{ShapeEntry, push_all};
 use crate::tessellate::TessellationOptions;
@@ -65,7 +65,7 @@ pub struct SceneFile {
     /// Replaces the source's camera.
     pub camera: Option<CameraEntry>,
     /// Replaces the source's lights.
-    pub lights: Option<Vec<LightEntry>>,
+    pub lights: Option<Vec<Light>>,
     /// Replaces the source's background colour.
     pub background: Option<Rgb>,
     /// Changes materials of the source, by their names; defines those of inline shapes.
@@ -135,21 +135,6 @@ pub struct MotionEntry {
     pub material: String,
     /// World units per unit of time.
     pub velocity: [f64; 3],
-}
-
-/// A light without falloff: a point, or a disc that faces what it lights.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct LightEntry {
-    /// Where it is.
-    pub position: [f64; 3],
-    /// Its colour; see [`Light::Point`] for its absence.
-    pub color: Option<Rgb>,
-    /// Radius of the disc in world units; 0 is a point.
-    #[serde(default, deserialize_with = "at_least_0")]
-    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
-    pub radius: f64,
 }
 
 /// The properties of a material that a scene file changes; the others stay.
@@ -246,7 +231,7 @@ impl SceneFile {
             scene.camera = camera.into();
         }
         if let Some(lights) = &self.lights {
-            scene.lights = lights.iter().map(|&light| light.into()).collect();
+            scene.lights.clone_from(lights);
         }
         if let Some(background) = self.background {
             scene.background = background;
@@ -274,17 +259,6 @@ impl SceneFile {
             if let Some(&Some(moves)) = by_material.get(primitive.material as usize) {
                 *velocity = moves;
             }
-        }
-    }
-}
-
-impl From<LightEntry> for Light {
-    fn from(entry: LightEntry) -> Self {
-        let (position, color) = (DVec3::from_array(entry.position), entry.color);
-        if entry.radius > 0.0 {
-            Self::Disc { position, color, radius: entry.radius }
-        } else {
-            Self::Point { position, color }
         }
     }
 }

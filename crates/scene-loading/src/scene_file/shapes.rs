@@ -16,8 +16,8 @@ use serde::Deserialize;
 
 use crate::error::{FilePlace, LoadError};
 use crate::mesh::{FaceCounts, push_outline};
-use crate::scene::{Cone, Scene};
-use crate::scene_file::json::{at_least_0, unknown_material};
+use crate::scene::{Cone, Scene, at_least_0};
+use crate::scene_file::json::unknown_material;
 
 /// A shape with its material and, if it moves, its velocity in world units per unit of time.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

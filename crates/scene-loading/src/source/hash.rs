@@ -24,9 +24,9 @@ pub fn sha256_of_scene(scene: &Scene) -> String {
     hash.numbers(&scene.background);
     hash.length(scene.lights.len());
     for light in &scene.lights {
-        hash.vectors(&[light.position()]);
-        hash.words(&[u32::from(light.color().is_some())]);
-        hash.numbers(&light.color().unwrap_or_default());
+        hash.vectors(&[light.position]);
+        hash.words(&[u32::from(light.color.is_some())]);
+        hash.numbers(&light.color.unwrap_or_default());
     }
     hash.length(scene.materials.len());
     for m in &scene.materials {
@@ -70,7 +70,7 @@ pub fn sha256_of_scene(scene: &Scene) -> String {
 /// Hashes effects only if there are any, so that the hashes of all other scenes stay.
 fn hash_effects(scene: &Scene, hash: &mut CanonicalHasher) {
     let camera = &scene.camera;
-    let mut numbers: Vec<f64> = scene.lights.iter().map(|light| light.radius()).collect();
+    let mut numbers: Vec<f64> = scene.lights.iter().map(|light| light.radius).collect();
     numbers.extend(scene.materials.iter().map(|m| m.roughness));
     numbers.extend([camera.aperture, camera.shutter, camera.focal_distance.unwrap_or(0.0)]);
     numbers.push(f64::from(scene.samples.supersamples.unwrap_or(1)) - 1.0);
@@ -162,7 +162,7 @@ mod tests {
             |s: &mut Scene| s.spheres[0].radius = 2.0,
             |s: &mut Scene| s.camera.angle = 44.0,
             |s: &mut Scene| s.materials[0].specular = 0.1,
-            |s: &mut Scene| s.lights.push(Light::Point { position: DVec3::X, color: None }),
+            |s: &mut Scene| s.lights.push(Light::point(DVec3::X, None)),
             |s: &mut Scene| s.background[1] = 0.5,
             |s: &mut Scene| s.camera.aperture = 0.1,
             |s: &mut Scene| s.camera.shutter = 1.0,

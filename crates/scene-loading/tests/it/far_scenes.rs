@@ -157,7 +157,7 @@ fn written(name: &str, text: &str) -> LoadedScene {
 /// Every point that a scene has.
 fn points(scene: &Scene) -> Vec<DVec3> {
     let camera = [scene.camera.from, scene.camera.at];
-    let lights = scene.lights.iter().map(|light| light.position());
+    let lights = scene.lights.iter().map(|light| light.position);
     let spheres = scene.spheres.iter().map(|sphere| sphere.center);
     let cones = scene.cones.iter().flat_map(|cone| [cone.base, cone.apex]);
     let instances = scene.instances.iter().map(|i| i.placement.translation);
@@ -228,10 +228,10 @@ fn a_camera_and_lights_given_beside_are_in_the_file_s_coordinates() {
     scene.view.lights = vec!["448000,5411000,50".parse().unwrap()];
     let mut loaded = scene.load().unwrap().scene;
     let expected = (DVec3::new(9.0, -20.0, 20.0), DVec3::new(0.0, 0.0, 50.0));
-    assert_eq!((loaded.camera.from, loaded.lights[0].position()), expected);
+    assert_eq!((loaded.camera.from, loaded.lights[0].position), expected);
     // again, to the scene as it is now: what `animate` does with each frame
     scene.view.apply(&mut loaded).unwrap();
-    assert_eq!((loaded.camera.from, loaded.lights[0].position()), expected);
+    assert_eq!((loaded.camera.from, loaded.lights[0].position), expected);
 }
 
 /// The warnings of a scene of tents and one more triangle that speak of f32.
@@ -300,7 +300,7 @@ fn frames_of_an_animation_are_moved_by_one_shift() {
         assert_eq!(frame.camera, frames[0].camera);
     }
     // the light at the eye, too
-    assert_eq!(frames[0].lights[0].position(), frames[0].camera.from);
+    assert_eq!(frames[0].lights[0].position, frames[0].camera.from);
 }
 
 #[test]

@@ -150,7 +150,7 @@ fn a_scene_file_adds_what_its_source_lacks() {
     assert_eq!(scene.camera.resolution, [64, 32]);
     assert_eq!(scene.lights.len(), 2);
     let color = Some([1.0, 0.5, 0.0]);
-    assert_eq!(scene.lights[1], Light::Point { position: DVec3::Z * 9.0, color });
+    assert_eq!(scene.lights[1], Light::point(DVec3::Z * 9.0, color));
     assert_eq!(scene.background, [0.1, 0.2, 0.3]);
     let red = Material {
         name: "red".into(),

@@ -41,7 +41,7 @@ fn shapes_materials_lights_and_motion_come_from_the_file() {
     assert_eq!(scene.materials[0].roughness, 0.25);
     let velocities: Vec<DVec3> = (0..4).map(|id| scene.velocity(id)).collect();
     assert_eq!(velocities, [DVec3::X, DVec3::Y * 2.0, DVec3::Y * 2.0, DVec3::ZERO]);
-    assert_eq!(scene.lights.iter().map(|l| l.radius()).collect::<Vec<_>>(), [0.5, 0.0]);
+    assert_eq!(scene.lights.iter().map(|l| l.radius).collect::<Vec<_>>(), [0.5, 0.0]);
     let camera = scene.camera;
     assert_eq!((camera.aperture, camera.focal_distance, camera.shutter), (0.5, Some(8.0), 2.0));
     assert_eq!((scene.samples.shadow, scene.samples.focal), (Some(7), None));

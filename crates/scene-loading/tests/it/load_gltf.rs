@@ -164,8 +164,8 @@ fn materials_cameras_and_lights() {
     assert_eq!(
         scene.lights,
         [
-            Light::Point { position: DVec3::new(1.0, 2.0, 3.0), color: Some([1.0, 0.5, 0.0]) },
-            Light::Point { position: DVec3::ZERO, color: Some([0.5; 3]) },
+            Light::point(DVec3::new(1.0, 2.0, 3.0), Some([1.0, 0.5, 0.0])),
+            Light::point(DVec3::ZERO, Some([0.5; 3])),
         ]
     );
     assert_eq!(scene.warnings.len(), 2, "{:?}", scene.warnings);

@@ -41,8 +41,8 @@ fn every_entity_is_read() {
     assert_eq!(
         scene.lights,
         [
-            Light::Point { position: DVec3::new(1.0, 2.0, 3.0), color: None },
-            Light::Point { position: DVec3::new(4.0, 5.0, 6.0), color: Some([0.5, 0.25, 1.0]) },
+            Light::point(DVec3::new(1.0, 2.0, 3.0), None),
+            Light::point(DVec3::new(4.0, 5.0, 6.0), Some([0.5, 0.25, 1.0])),
         ]
     );
     assert_eq!(scene.materials.len(), 2);

@@ -43,7 +43,7 @@ fn all_statements_of_a_scene_are_read() {
     assert!(near(camera.from, [1., 2., 3.]) && near(camera.at, [1., 2., 2.]), "{camera:?}");
     assert!(near(camera.up, [0., 1., 0.]) && camera.angle == 40.0);
     assert_eq!(scene.lights.len(), 1);
-    assert_eq!(scene.lights[0].color(), Some([1.0, 0.5, 0.0]), "the strongest is 1");
+    assert_eq!(scene.lights[0].color, Some([1.0, 0.5, 0.0]), "the strongest is 1");
     assert!(matches!(
         shapes(&scene)[..],
         [Shape::Triangle { .. }, Shape::Sphere(0), Shape::Polygon { .. }]
@@ -214,7 +214,7 @@ fn attributes_are_defaults_of_later_statements() {
     let radii: Vec<f64> = scene.spheres.iter().map(|s| s.radius).collect();
     assert_eq!(radii, [2.0, 3.0, 2.0, 4.0, 2.0]);
     assert_eq!(scene.materials[scene.primitives[4].material as usize].color, [1.0, 0.0, 0.0]);
-    assert!(near(scene.lights[0].position(), [0., 9., 0.]));
+    assert!(near(scene.lights[0].position, [0., 9., 0.]));
     assert_eq!(warnings(&scene), ["a.pbrt: 1 attributes of medium left out (first: line 12)"]);
     let many = "Attribute \"shape\" \"float radius\" 2\n".repeat(257);
     let error = pbrt(&many).unwrap_err().to_string();
@@ -229,7 +229,7 @@ fn files_of_earlier_versions_are_read_with_a_warning() {
                 Shape \"trianglemesh\" \"integer indices\" [0 1 2] \"point P\" [0 0 0 1 0 0 0 1 0]\n\
                 Material \"mirror\"\nShape \"sphere\"\nWorldEnd\n";
     let scene = pbrt(text).unwrap();
-    assert_eq!((scene.primitives.len(), scene.lights[0].color()), (2, Some([1.0, 0.5, 0.0])));
+    assert_eq!((scene.primitives.len(), scene.lights[0].color), (2, Some([1.0, 0.5, 0.0])));
     let material = |id: usize| &scene.materials[scene.primitives[id].material as usize];
     assert_eq!(material(0).color, [1.0, 0.0, 0.0]);
     assert!(material(1).specular > 0.0);
@@ -302,7 +302,7 @@ fn a_scene_of_tray_racing_has_its_camera_and_its_sun() {
     let camera = scene.camera;
     assert!(near(camera.from, [3., 1.5, 1.4]) && near(camera.at, [-3.9, 1.5, -1.7]));
     assert!(camera.angle == 70.0 && camera.up == DVec3::Y);
-    let sun = scene.lights[0].position();
+    let sun = scene.lights[0].position;
     assert!(sun.y > 70.0 && near(sun * DVec3::new(1., 0., 1.), [0.5, 0., 0.]), "{sun}");
     for (from, to, part) in [
         ("model_path: \"a.obj\"", "model_path: 7", "a.ron:2: ron reports"),

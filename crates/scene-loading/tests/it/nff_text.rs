@@ -41,8 +41,8 @@ fn write_head(scene: &Scene, out: &mut impl io::Write) -> io::Result<()> {
     writeln!(out, "resolution {} {}", camera.resolution[0], camera.resolution[1])?;
     // NFF knows neither extents nor lenses nor motion
     for light in &scene.lights {
-        write!(out, "l {}", vector(&light.position()))?;
-        if let Some(color) = light.color() {
+        write!(out, "l {}", vector(&light.position))?;
+        if let Some(color) = light.color {
             write!(out, " {}", Numbers(&color))?;
         }
         writeln!(out)?;

@@ -22,12 +22,12 @@ fn a_scene_without_lights_gets_one_at_the_eye_and_a_warning() {
     let (_folder, path) = folder(&[("a.obj", OBJ), ("b.nff", "s 0 0 0 1\n"), lit]);
     for name in ["a.obj", "b.nff"] {
         let loaded = resolved(&path.join(name)).unwrap().load().unwrap();
-        let lights: Vec<DVec3> = loaded.scene.lights.iter().map(|l| l.position()).collect();
+        let lights: Vec<DVec3> = loaded.scene.lights.iter().map(|l| l.position).collect();
         assert_eq!(lights, [loaded.scene.camera.from], "{name}");
         assert!(warns_of_light(&loaded), "{name}: {:?}", loaded.scene.warnings);
     }
     let lit = resolved(&path.join("c.nff")).unwrap().load().unwrap();
-    assert!(!warns_of_light(&lit) && lit.scene.lights[0].position() == DVec3::new(1.0, 2.0, 3.0));
+    assert!(!warns_of_light(&lit) && lit.scene.lights[0].position == DVec3::new(1.0, 2.0, 3.0));
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn what_is_said_from_outside_replaces_view_and_lights_and_shows_in_the_hash() {
     let camera = after.scene.camera;
     assert_eq!((camera.from.z, camera.angle, camera.up), (7.0, 30.0, DVec3::X));
     assert_eq!(after.scene.lights.len(), 2);
-    assert_eq!(after.scene.lights[0].color(), Some([1.0, 0.0, 0.0]));
+    assert_eq!(after.scene.lights[0].color, Some([1.0, 0.0, 0.0]));
     scene.view = ViewOptions { up: Some(UpOption(after.scene.camera.from)), ..scene.view };
     let error = scene.load().unwrap_err().to_string();
     assert!(error.contains("--camera, --up (scene a): camera `up`"), "{error}");

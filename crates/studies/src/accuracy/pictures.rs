@@ -150,7 +150,7 @@ fn floor_with_balls(balls: &[(DVec3, f64)], view: f64) -> Scene {
     scene.push_triangle(floor, [corner(-1., -1.), corner(-1., 1.), corner(1., 1.)]);
     balls.iter().for_each(|(centre, radius)| scene.push_sphere(ball, *centre, *radius));
     let position = dvec3(3.0, 6.0, 4.0) * view;
-    scene.lights = vec![Light::Point { position, color: Some([1.0; 3]) }];
+    scene.lights = vec![Light::point(position, Some([1.0; 3]))];
     scene.background = [0.45, 0.6, 0.85];
     scene.camera = Camera {
         from: dvec3(0.0, 2.0, 4.0) * view,

@@ -80,7 +80,7 @@ pub fn factors(scene: &Scene, settings: &RenderSettings) -> Vec<Factor> {
     }
     if full.calls_for(Effect::SoftShadows) {
         let n = full.factor(Effect::SoftShadows);
-        let discs = scene.lights.iter().filter(|light| light.radius() > 0.0).count();
+        let discs = scene.lights.iter().filter(|light| light.radius > 0.0).count();
         let rays = 1 + lights - discs + discs * n as usize;
         let nominal = rays as f64 / (1 + lights) as f64;
         add("shadow samples", nominal, format!("{rays} / {}", 1 + lights), sharp(full.clone()));

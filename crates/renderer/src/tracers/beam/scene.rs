@@ -59,7 +59,7 @@ pub fn refusal(scene: &Scene) -> Result<(), Refusal> {
     let material = |p: &Primitive| scene.materials.get(p.material as usize);
     none(primitives(&|p| matches!(p.shape, Shape::Sphere(_))), "spheres")?;
     none(primitives(&|p| matches!(p.shape, Shape::Cone(_))), "cones")?;
-    none(scene.lights.iter().filter(|l| l.radius() > 0.0).count(), "lights with a radius")?;
+    none(scene.lights.iter().filter(|l| l.radius > 0.0).count(), "lights with a radius")?;
     none(usize::from(scene.camera.aperture > 0.0), "lens with an aperture")?;
     let opens = scene.camera.angle > 0.0 && scene.camera.angle < 180.0;
     none(usize::from(!opens), "field of view outside 0 to 180 degrees")?;
@@ -165,7 +165,7 @@ mod tests {
         let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
         assert_eq!(what(|_| ()), None);
         assert_eq!(what(|s| s.push_sphere(0, DVec3::ZERO, 1.0)).as_deref(), Some("1 spheres"));
-        let disc = Light::Disc { position: DVec3::ZERO, color: None, radius: 0.5 };
+        let disc = Light { position: DVec3::ZERO, color: None, radius: 0.5 };
         assert_eq!(what(|s| s.lights = vec![disc; 3]).as_deref(), Some("3 lights with a radius"));
         let lens = Camera { aperture: 0.1, ..Camera::default() };
         assert_eq!(what(|s| s.camera = lens).as_deref(), Some("1 lens with an aperture"));

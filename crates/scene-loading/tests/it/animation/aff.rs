@@ -62,7 +62,7 @@ fn transforms_are_nested_and_keys_move_them() {
     assert_eq!((material.color, material.diffuse), ([0.5, 1.0, 0.25], 0.4));
     assert_eq!((material.specular, material.shine), (0.3, 20.0));
     let color = Some([0.5; 3]);
-    assert_eq!(first.lights, [Light::Point { position: DVec3::new(1.0, 2.0, 3.0), color }]);
+    assert_eq!(first.lights, [Light::point(DVec3::new(1.0, 2.0, 3.0), color)]);
     assert_eq!((first.camera.resolution, first.camera.from.z), ([8, 6], 9.0));
     assert_eq!(claimed(&first), 3);
     for index in 1..5 {
@@ -170,7 +170,7 @@ fn lights_follow_their_braces_and_named_ones_stay() {
     let body =
         format!("x s {{ la lamp 0 0 0 {TRIANGLE} }} k s {{ {ALONG_X} }} k lamp {{ {ALONG_X} }}");
     let scene = animation(&body).frame(2).unwrap();
-    near(scene.lights[1].position(), [2.0, 0.0, 0.0]);
+    near(scene.lights[1].position, [2.0, 0.0, 0.0]);
     assert!(scene.warnings[0].0.contains("1 lights with keyframes stay in place"));
 }
 

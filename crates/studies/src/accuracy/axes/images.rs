@@ -7,7 +7,7 @@ use glam::DVec3;
 use measurement::plan::rows::Row;
 use renderer::tracers::{Frame, Structures};
 use renderer::{EffectPlan, Gating, Geometry, RenderSettings, render_plan};
-use scene_loading::{Light, Scene};
+use scene_loading::Scene;
 
 use crate::accuracy::axis::*;
 use crate::accuracy::sampled::{ImageCheck, RepeatedImage, Sampling, SamplingPlan};
@@ -66,16 +66,9 @@ struct EffectSetup {
 const SOFT: EffectSetup = EffectSetup {
     on: |scene| {
         let radius = 0.02 * diagonal(scene);
-        for light in &mut scene.lights {
-            let (position, color) = (light.position(), light.color());
-            *light = Light::Disc { position, color, radius: radius.max(light.radius()) };
-        }
+        scene.lights.iter_mut().for_each(|light| light.radius = radius.max(light.radius));
     },
-    off: |scene| {
-        for light in &mut scene.lights {
-            *light = Light::Point { position: light.position(), color: light.color() };
-        }
-    },
+    off: |scene| scene.lights.iter_mut().for_each(|light| light.radius = 0.0),
     sampling: Sampling::new("shadow", 1, |samples, n| samples.shadow = Some(n)),
 };
 

@@ -151,7 +151,7 @@ mod tests {
         for corners in icosphere(2, DVec3::ZERO) {
             scene.push_patch(material, corners, corners.map(DVec3::normalize));
         }
-        scene.lights = vec![Light::Point { position: dvec3(50.0, 3.0, 8.0), color: None }];
+        scene.lights = vec![Light::point(dvec3(50.0, 3.0, 8.0), None)];
         scene.camera = Camera { from: dvec3(1.0, 2.0, 6.0), at: DVec3::ZERO, ..Camera::default() };
         let settings = RaySettings { resolution: [96; 2], ..RaySettings::default() };
         let prepared = PreparedScene::new(scene, REGISTRY, &settings).unwrap();
