@@ -158,7 +158,7 @@ impl Reader<'_> {
         let (count, room) = self.vertex_count(start, "the vertex count of a polygon", 1)?;
         let mut outline = Vec::with_capacity(room);
         for i in 1..=count {
-            outline.push(self.words.vector(Corner { entity: "polygon", i, count })?);
+            outline.push(self.words.vector(format_args!("vertex {i} of {count} of a polygon"))?);
         }
         let material = self.material();
         let Self { words, scene, counts, .. } = self;
@@ -169,7 +169,7 @@ impl Reader<'_> {
         let (count, room) = self.vertex_count(start, "the vertex count of a patch", 2)?;
         let mut corners: Vec<(DVec3, DVec3)> = Vec::with_capacity(room);
         for i in 1..=count {
-            let what = Corner { entity: "patch", i, count };
+            let what = format_args!("vertex {i} of {count} of a patch");
             corners.push((self.words.vector(what)?, self.normal(what)?));
         }
         let material = self.material();
@@ -192,7 +192,7 @@ impl Reader<'_> {
     }
 
     /// Three numbers; NaN where one is, or is too large.
-    fn normal(&mut self, what: Corner) -> Result<DVec3, LoadError> {
+    fn normal(&mut self, what: fmt::Arguments<'_>) -> Result<DVec3, LoadError> {
         let mut normal = [0.0; 3];
         for value in &mut normal {
             let word = self.words.any(what)?;
@@ -282,18 +282,4 @@ pub(crate) fn cone(words: &mut Words<'_>, start: Word<'_>) -> Result<Cone, LoadE
         return Err(LoadError::out_of_range(place, what, smaller, expected));
     }
     Ok(cone)
-}
-
-/// Names a vertex in errors; formatted only when there is one.
-#[derive(Clone, Copy)]
-struct Corner {
-    entity: &'static str,
-    i: u64,
-    count: u64,
-}
-
-impl fmt::Display for Corner {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "vertex {} of {} of a {}", self.i, self.count, self.entity)
-    }
 }
