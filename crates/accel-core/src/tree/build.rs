@@ -6,7 +6,7 @@ use crate::capacity::CapacityLimits;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::CellLists;
-use crate::parallel::{concat, forks, map, should_parallelize};
+use crate::parallel::{ForkedTree, concat, forks, map, should_parallelize};
 use crate::structure::BuildError;
 
 /// Chooses how cells are cut, and which become leaves.
@@ -96,45 +96,27 @@ impl<S, L: Link<S>> Cells<S, L> {
         self.lists.push(ids);
     }
 
-    /// The cells that these steps make, on all threads.
-    fn joined(steps: &[Step<S, L>]) -> Self {
-        let leaves = vec![L::leaf(0); L::CHILDREN];
-        let (mut links, mut cuts) = (vec![(&leaves[..1], [0; 2])], Vec::new());
+    /// The cells of these pieces ([`ForkedTree::pieces`]), on all threads.
+    fn joined(pieces: &[(usize, Self)]) -> Self {
+        let root = [L::leaf(0)];
+        // the numbers of the next inner cell and leaf, and the first cells of the pieces
+        let (mut by, mut firsts) = ([0; 2], Vec::new());
+        let (mut links, mut cuts) = (vec![(&root[..], by)], Vec::new());
         let (mut starts, mut ids, mut references) = (vec![(&[0][..], 0)], Vec::new(), 0);
-        // the links that stand for children, and the numbers of the next inner cell and leaf
-        let (mut firsts, mut by) = (Vec::new(), [0; 2]);
-        for step in steps {
-            match step {
-                Step::Divide(cell, link, cut) => {
-                    firsts.push((*cell, link.moved(by)));
-                    links.push((&leaves, [0; 2]));
-                    cuts.push((std::slice::from_ref(cut), ()));
-                    by[0] += 1;
-                }
-                Step::Below(cell, Self { links: below, cuts: own, lists }) => {
-                    firsts.push((*cell, below[0].moved(by)));
-                    links.push((&below[1..], by));
-                    cuts.push((own, ()));
-                    by = [by[0] + own.len() as u32, by[1] + lists.cells() as u32];
-                    starts.push((&lists.starts()[1..], references));
-                    ids.push((lists.ids(), ()));
-                    references += lists.references() as u32;
-                }
-            }
+        for (cell, Self { links: below, cuts: own, lists }) in pieces {
+            firsts.push((*cell, below[0].moved(by)));
+            links.push((&below[1..], by));
+            cuts.push((&own[..], ()));
+            by = [by[0] + own.len() as u32, by[1] + lists.cells() as u32];
+            starts.push((&lists.starts()[1..], references));
+            ids.push((lists.ids(), ()));
+            references += lists.references() as u32;
         }
         let mut links = concat(&links, &L::moved);
         firsts.into_iter().for_each(|(cell, link)| links[cell] = link);
         let (starts, ids) = (concat(&starts, &|start, by| start + by), concat(&ids, &|id, ()| id));
         Self { links, cuts: concat(&cuts, &|cut, ()| cut), lists: CellLists::of_parts(starts, ids) }
     }
-}
-
-/// Next step of a build that starts with one cell.
-enum Step<S, L: Link<S>> {
-    /// This cell is cut.
-    Divide(usize, L, L::Record),
-    /// This cell becomes the first one of others, the rest of which stand behind all before.
-    Below(usize, Cells<S, L>),
 }
 
 /// A cell that is to be divided.
@@ -160,39 +142,15 @@ pub(crate) fn cells<S: Scalar, D: Division<S>>(
     let begun = ids.clone();
     forked(division, root, begun, large)
         .and_then(|tree| {
-            let (mut steps, mut counts) = (Vec::new(), [1, 0]);
-            tree.steps(0, &mut steps, &mut counts);
+            let pieces = tree.pieces(|cells| cells.links.len());
+            let counts = pieces.iter().fold([1, 0], |[cells, references], (_, piece)| {
+                let own = [piece.links.len() - 1, piece.lists.references()];
+                [cells + own[0] as u64, references + own[1] as u64]
+            });
             division.room().check(counts)?;
-            Ok(Cells::joined(&steps))
+            Ok(Cells::joined(&pieces))
         })
         .or_else(|_| alone(division, root, ids))
-}
-
-/// Cells that several threads built.
-enum ForkedCells<S, L: Link<S>> {
-    Cut(L::Cut, Vec<Self>),
-    Built(Cells<S, L>),
-}
-
-impl<S, L: Link<S>> ForkedCells<S, L> {
-    /// Adds the steps that make these cells, from `cell` on; `counts` cells and references.
-    fn steps(self, cell: usize, steps: &mut Vec<Step<S, L>>, counts: &mut [u64; 2]) {
-        match self {
-            Self::Cut(cut, below) => {
-                steps.push(Step::Divide(cell, L::inner(&cut, 0), L::record(cut)));
-                let first = counts[0] as usize;
-                counts[0] += L::CHILDREN as u64;
-                for (child, below) in below.into_iter().enumerate() {
-                    below.steps(first + child, steps, counts);
-                }
-            }
-            Self::Built(cells) => {
-                counts[0] += cells.links.len() as u64 - 1;
-                counts[1] += cells.lists.references() as u64;
-                steps.push(Step::Below(cell, cells));
-            }
-        }
-    }
 }
 
 /// The cells that a division makes.
@@ -216,15 +174,18 @@ fn forked<S: Scalar, D: Division<S>>(
     cell: Cell<S, D::Descent>,
     ids: Vec<u32>,
     large: usize,
-) -> Result<ForkedCells<S, D::Link>, BuildError> {
+) -> Result<ForkedTree<CellsOf<S, D>>, BuildError> {
     let cut = if ids.len() > large && should_parallelize(ids.len()) {
         division.cut(&mut division.scratch(), &ids, &cell)
     } else {
         None
     };
     let Some((cut, descent)) = cut else {
-        return alone(division, cell, ids).map(ForkedCells::Built);
+        let below = Vec::new();
+        return alone(division, cell, ids).map(|piece| ForkedTree { piece, below });
     };
+    let mut piece = Cells::begun();
+    let first = piece.divide(0, cut);
     let below = |child: usize| {
         let reaches = |id: &u32| division.reaches(*id, &cut, child);
         let mut own: Vec<u32> = ids.iter().copied().filter(reaches).collect();
@@ -232,10 +193,11 @@ fn forked<S: Scalar, D: Division<S>>(
             own.reverse();
         }
         let bounds = D::child(&cell.bounds, &cut, child);
-        forked(division, Cell { bounds, depth: cell.depth + 1, descent }, own, large)
+        let cell = Cell { bounds, depth: cell.depth + 1, descent };
+        forked(division, cell, own, large).map(|tree| (first + child, tree))
     };
     let below = map(0..D::Link::CHILDREN, &below).into_iter().collect::<Result<_, _>>()?;
-    Ok(ForkedCells::Cut(cut, below))
+    Ok(ForkedTree { piece, below })
 }
 
 struct Builder<'a, S: Scalar, D: Division<S>> {
