@@ -20,6 +20,7 @@ pub(crate) mod node;
 mod node_ray_lanes;
 mod packet;
 mod parts;
+mod prepared;
 mod refit;
 mod traverse;
 
@@ -30,12 +31,10 @@ use crate::parallel;
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamSpec, Params};
 use crate::primitives::{PrimSet, Primitives};
-use crate::query::batch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::counters::Counters;
 use crate::query::kernel::ListBlocks;
 use crate::query::lists::{Layout, Lists};
-use crate::query::prepared::SequentialDriver;
 use crate::query::sink::Sink;
 use crate::structure::{Batches, BuildError, RayBatch, Structure, StructureInfo, StructureStats};
 use crate::update::{Change, REBUILD_AT, REFIT, refitted_until};
@@ -287,13 +286,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         _: Option<&ListBlocks<S>>,
         batch: RayBatch<'_, S>,
     ) -> C {
-        if self.batches == Batches::Packets {
-            let unit = self.setup.unit();
-            return batch::answer_in_order::<SequentialDriver, C, _, _, _>(
-                self, prims, batch, unit,
-            );
-        }
-        batch::answer::<SequentialDriver, C, _, _, _>(self, prims, batch)
+        self.answer_prepared(prims, batch)
     }
 
     fn stats(&self) -> StructureStats {

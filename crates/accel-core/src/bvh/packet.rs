@@ -14,22 +14,20 @@
 
 use crate::bvh::WideBvh;
 use crate::bvh::node::{BoxParameters, EPSILON, LARGE, LEAF, LEAST_PART, NodeRay, WIDTH};
-use crate::bvh::node_ray_lanes::{BoxRayLanes, NodeRayLanes};
-use crate::bvh::traverse::{Stack, runs_like_the_last};
+use crate::bvh::node_ray_lanes::NodeRayLanes;
+use crate::bvh::traverse::Stack;
 use crate::geometry::lanes::{Eight, Lanes, take_lowest};
-use crate::geometry::ray_lanes::{LANES, RayLanes, lane_of};
+use crate::geometry::ray_lanes::LANES;
 use crate::geometry::scalar::Scalar;
-use crate::query::prepared::LaneStructure;
 use crate::query::ray_order::ALIKE;
 use crate::query::sink::Sink;
-use crate::structure::Batches;
 use wide::f32x8;
 
 /// So many rays that meet a node go on alone.
 const FEW: u32 = 2;
 
 /// Eight rays that run alike.
-pub struct Packet {
+pub(super) struct Packet {
     /// Meets each box that any of them meets, and enters it no later.
     ray: NodeRay,
 }
@@ -165,58 +163,13 @@ impl Packet {
     }
 }
 
-/// Data of eight rays that node tests need.
-pub struct EightRays<S: Scalar> {
-    rays: NodeRayLanes,
-    parameters: [BoxParameters<S>; LANES],
-    /// Inputs from which `rays` was derived.
-    origin: [[f32; LANES]; 3],
-    direction: [[f32; LANES]; 3],
-}
-
-impl<S: Scalar> LaneStructure<S> for WideBvh<S> {
-    type Eight = EightRays<S>;
-    type Packet = Packet;
-
-    #[inline(always)]
-    fn prepare(&self, rays: &RayLanes<S>) -> EightRays<S> {
-        let BoxRayLanes { origin, direction, parameters } = self.setup.ray_lanes(rays);
-        let rays = NodeRayLanes::of(&origin, &direction, self.is_exact);
-        EightRays { rays, parameters, origin, direction }
-    }
-
-    #[inline(always)]
-    fn trace_prepared<K: Sink<S>>(&self, eight: &EightRays<S>, lane: usize, sink: &mut K) {
-        let lane = lane & (LANES - 1);
-        let (ray, parameters) = (eight.rays.get(lane), eight.parameters[lane]);
-        let end = parameters.bound(sink.t_max());
-        let is_foreseen = runs_like_the_last(
-            lane_of(&eight.origin, lane).into(),
-            lane_of(&eight.direction, lane).into(),
-        );
-        let _ = self.traverse_from(self.root, ray, is_foreseen, parameters, end, sink);
-    }
-
-    #[inline(always)]
-    fn packet(&self, eight: &EightRays<S>) -> Option<Packet> {
-        match self.batches {
-            Batches::Packets => Packet::of(&eight.origin, &eight.direction, self.is_exact),
-            _ => None,
-        }
-    }
-
-    #[inline(always)]
-    fn trace_packet<K: Sink<S>>(&self, eight: &EightRays<S>, packet: &Packet, sinks: &mut [K]) {
-        packet.trace(self, &eight.rays, &eight.parameters, sinks);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use glam::Vec3A;
 
     use super::*;
     use crate::bvh::node::Node;
+    use crate::geometry::ray_lanes::lane_of;
     use crate::structures::test_scenes::Random;
 
     type Columns = [[f32; LANES]; 3];

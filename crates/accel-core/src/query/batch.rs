@@ -1,6 +1,6 @@
 //! Batches of rays: closest hits, or whether rays are blocked. Rays that begin far away are brought
-//! near before a structure sees them. How the rays go through a structure
-//! is the business of `prepared.rs` and `side_by_side.rs`.
+//! near before a structure sees them. How the rays go through a structure is the business of
+//! `side_by_side.rs` and of `bvh/prepared.rs`.
 //!
 //! The loop over rays in f32 is compiled twice on x86-64: for the target, and for AVX-512, whose 32
 //! registers hold what is known of a ray; which of both runs is decided where it runs. The

@@ -7,7 +7,6 @@ pub mod entered;
 pub mod kernel;
 pub(crate) mod lists;
 pub mod mailbox;
-pub(crate) mod prepared;
 pub(crate) mod ray_order;
 pub mod region;
 pub(crate) mod side_by_side;
