@@ -64,13 +64,8 @@ impl<S: Scalar> WideBvh<S> {
         prims: &P,
         batch: RayBatch<'_, S>,
     ) -> C {
-        if self.batches == Batches::Packets {
-            let unit = self.setup.unit();
-            return batch::answer_in_order::<SequentialDriver, C, _, _, _>(
-                self, prims, batch, unit,
-            );
-        }
-        batch::answer::<SequentialDriver, C, _, _, _>(self, prims, batch)
+        let unit = (self.batches == Batches::Packets).then(|| self.setup.unit());
+        batch::answer::<SequentialDriver, C, _, _, _>(self, prims, batch, unit)
     }
 }
 

@@ -14,7 +14,7 @@ use std::ops::Range;
 use wide::f64x8;
 
 use crate::geometry::far_ray::{self, Parameters, PlacedRay};
-use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::counters::Counters;
@@ -160,80 +160,63 @@ impl<S: Scalar, T: Traverse<S>> BatchDriver<S, T> for RayByRay {
     }
 }
 
-/// Answers a batch; what it took. Compiled for triangles alone.
+/// So many rays are put into another order at a time, which bounds the memory for that.
+const ORDERED_AT_A_TIME: usize = 1 << 18;
+
+/// Answers a batch; what it took. With a `unit`, that of [`ray_order::of`], in an order in which
+/// neighbours run alike where those of the batch do not, as its first rays tell. Compiled for
+/// triangles alone.
 #[inline(always)]
 pub(crate) fn answer<D: BatchDriver<S, T>, C: Counters, S: Scalar, P: PrimSet<S>, T>(
     structure: &T,
     prims: &P,
     RayBatch { rays, reach, answers }: RayBatch<'_, S>,
+    unit: Option<f64>,
 ) -> C {
     let work = C::default();
     if !P::HAS_BLOCKS || D::IS_TOGETHER && P::HAS_OTHER_TESTS {
         return work;
     }
-    let all = 0..rays.len();
     match answers {
         BatchAnswers::Closest(answers) => {
-            let mut batch = Batch { prims, rays, answers, work };
-            drive::<D, _, _, _, _, _>(structure, reach, &mut batch, all);
-            batch.work
+            let batch = Batch { prims, rays, answers, work };
+            answered::<D, _, _, _, _, _>(structure, reach, batch, unit)
         }
         BatchAnswers::Occlusion(answers) => {
-            let mut batch = Batch { prims, rays, answers, work };
-            drive::<D, _, _, _, _, _>(structure, reach, &mut batch, all);
-            batch.work
+            let batch = Batch { prims, rays, answers, work };
+            answered::<D, _, _, _, _, _>(structure, reach, batch, unit)
         }
     }
 }
 
-/// So many rays are put into another order at a time, which bounds the memory for that.
-const ORDERED_AT_A_TIME: usize = 1 << 18;
-
-/// [`answer`], in an order in which neighbours run alike where those of the batch do not, as its
-/// first rays tell; `unit` as for [`ray_order::of`].
-pub(crate) fn answer_in_order<D: BatchDriver<S, T>, C: Counters, S: Scalar, P: PrimSet<S>, T>(
+/// The same for answers of one kind.
+#[inline(always)]
+fn answered<D: BatchDriver<S, T>, C: Counters, S: Scalar, P: PrimSet<S>, T, A: Answer<S>>(
     structure: &T,
-    prims: &P,
-    RayBatch { rays, reach, mut answers }: RayBatch<'_, S>,
-    unit: f64,
+    reach: S,
+    mut batch: Batch<'_, '_, S, P, C, A>,
+    unit: Option<f64>,
 ) -> C {
-    let mut work = C::default();
+    let (prims, rays) = (batch.prims, batch.rays);
     let mut first = 0;
-    while first < rays.len() {
+    while let Some(unit) = unit
+        && first < rays.len()
+    {
         let places = first..rays.len().min(first + ORDERED_AT_A_TIME);
         let Some(order) = ray_order::of(&rays[places.clone()], unit) else { break };
         let ordered: Vec<Ray<S>> = order.iter().map(|&at| rays[first + at as usize]).collect();
-        let ask = |answers: BatchAnswers<'_, S>| {
-            let batch = RayBatch { rays: &ordered, reach, answers };
-            answer::<D, C, _, _, _>(structure, prims, batch)
-        };
+        // each is overwritten
+        let mut found = vec![A::miss(&rays[first]); order.len()];
+        let (all, work) = (0..order.len(), batch.work);
+        let mut part = Batch { prims, rays: &ordered, answers: &mut found, work };
+        drive::<D, _, _, _, _, _>(structure, reach, &mut part, all);
+        batch.work = part.work;
+        let answers = &mut batch.answers[places.clone()];
+        order.iter().zip(found).for_each(|(&at, answer)| answers[at as usize] = answer);
         first = places.end;
-        work += match answers.of(places) {
-            BatchAnswers::Closest(hits) => {
-                put_back(&order, hits, Hit::NONE, |found| ask(BatchAnswers::Closest(found)))
-            }
-            BatchAnswers::Occlusion(blocked) => {
-                put_back(&order, blocked, false, |found| ask(BatchAnswers::Occlusion(found)))
-            }
-        };
     }
-    let answers = answers.of(first..rays.len());
-    let rest = RayBatch { rays: &rays[first..], reach, answers };
-    work += answer::<D, C, _, _, _>(structure, prims, rest);
-    work
-}
-
-/// Has answers written in an order, and puts each at its place; `unwritten` is overwritten.
-fn put_back<A: Copy, C>(
-    order: &[u32],
-    answers: &mut [A],
-    unwritten: A,
-    ask: impl FnOnce(&mut [A]) -> C,
-) -> C {
-    let mut found = vec![unwritten; order.len()];
-    let work = ask(&mut found);
-    order.iter().zip(found).for_each(|(&place, answer)| answers[place as usize] = answer);
-    work
+    drive::<D, _, _, _, _, _>(structure, reach, &mut batch, first..rays.len());
+    batch.work
 }
 
 /// Environment variable: `off` where AVX-512 is not to be used though the processor has it.

@@ -227,7 +227,7 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
     ) -> C {
         if let Some(blocks) = blocks {
             let grid = &self.with_blocks(blocks);
-            batch::answer::<LaneDriver, NoCounters, _, _, _>(grid, prims, batch);
+            batch::answer::<LaneDriver, NoCounters, _, _, _>(grid, prims, batch, None);
         }
         C::default()
     }

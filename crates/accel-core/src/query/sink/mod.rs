@@ -3,7 +3,7 @@
 //! One traversal thus serves closest hit, occlusion and the historical shadow ray, with and
 //! without counters.
 
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 
 use crate::geometry::far_ray::Parameters;
 use crate::geometry::ray::{Hit, Ray};
@@ -111,16 +111,6 @@ pub enum BatchAnswers<'a, S: Scalar> {
     Closest(&'a mut [Hit<S>]),
     /// True if an opaque primitive is in the way.
     Occlusion(&'a mut [bool]),
-}
-
-impl<S: Scalar> BatchAnswers<'_, S> {
-    /// Those of the rays at these places.
-    pub(crate) fn of(&mut self, places: Range<usize>) -> BatchAnswers<'_, S> {
-        match self {
-            Self::Closest(hits) => BatchAnswers::Closest(&mut hits[places]),
-            Self::Occlusion(blocked) => BatchAnswers::Occlusion(&mut blocked[places]),
-        }
-    }
 }
 
 /// A query of a ray.

@@ -100,7 +100,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
             Batches::RayByRay if T::HAS_AVX512 && P::HAS_BLOCKS => {
                 let structure = &PlainStructure(&self.parts.structure);
                 let batch = RayBatch { rays, reach: self.reach, answers: A::of_batch(answers) };
-                batch::answer::<RayByRay, NoCounters, _, _, _>(structure, self.prims, batch);
+                batch::answer::<RayByRay, NoCounters, _, _, _>(structure, self.prims, batch, None);
             }
             Batches::RayByRay => self.one_by_one(rays, answers, NoMailbox),
             Batches::Together | Batches::Packets | Batches::Library => {

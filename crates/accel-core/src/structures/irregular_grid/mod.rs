@@ -219,7 +219,8 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         _: Option<&ListBlocks<S>>,
         batch: RayBatch<'_, S>,
     ) -> C {
-        batch::answer_in_order::<LaneDriver, NoCounters, _, _, _>(self, prims, batch, self.unit);
+        let unit = Some(self.unit);
+        batch::answer::<LaneDriver, NoCounters, _, _, _>(self, prims, batch, unit);
         C::default()
     }
 
