@@ -1,4 +1,4 @@
-//! Mailboxes whose numbers run out (HARD_CASES Gr8): rays are numbered with 8 bits, so that a
+//! Mailboxes whose numbers run out (HARD_CASES Gr8): rays are numbered up to 255, so that a
 //! thousand of them start again several times. A primitive may be tested again, but never skipped
 //! wrongly.
 
@@ -64,12 +64,12 @@ fn wrong_and_saved<S: Buildable>(mailbox: impl MailboxSource) -> (usize, u64) {
 
 fn none_is_wrong<S: Buildable>() {
     let found = [
-        wrong_and_saved::<S>(Stamps::<u8>::dense(TRIANGLES)),
-        wrong_and_saved::<S>(Stamps::<u8>::in_records(TRIANGLES, 40)),
-        wrong_and_saved::<S>(Stamps::<u32>::dense(TRIANGLES)),
-        wrong_and_saved::<S>(Slots::<u8>::new(1 << 14)),
-        wrong_and_saved::<S>(Slots::<u8>::new(64)),
-        wrong_and_saved::<S>(Slots::<u8>::new(1)),
+        wrong_and_saved::<S>(Stamps::<255>::dense(TRIANGLES)),
+        wrong_and_saved::<S>(Stamps::<255>::in_records(TRIANGLES, 40)),
+        wrong_and_saved::<S>(<Stamps>::dense(TRIANGLES)),
+        wrong_and_saved::<S>(Slots::<255>::new(1 << 14)),
+        wrong_and_saved::<S>(Slots::<255>::new(64)),
+        wrong_and_saved::<S>(Slots::<255>::new(1)),
     ];
     assert!(found.iter().all(|(wrong, _)| *wrong == 0), "{found:?}");
     // few slots forget

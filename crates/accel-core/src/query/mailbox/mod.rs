@@ -27,7 +27,7 @@
 
 mod stamps;
 
-pub use stamps::{Mailbox, MailboxSource, NoMailbox, Slots, Stamp, Stamps};
+pub use stamps::{Mailbox, MailboxSource, NoMailbox, Slots, Stamps};
 
 use std::cell::RefCell;
 use std::sync::{Mutex, PoisonError};
@@ -46,8 +46,8 @@ pub const SLOTS_PARAM: ParamSpec = ParamSpec::integer("mailbox-slots", "64", 1, 
 /// A mailbox chosen at run time; one type, so that traversals are compiled once.
 pub enum AnyMailbox<'m> {
     None,
-    Stamps(&'m mut Stamps<u32>),
-    Slots(&'m mut Slots<u32>),
+    Stamps(&'m mut Stamps),
+    Slots(&'m mut Slots),
 }
 
 impl Mailbox for AnyMailbox<'_> {
@@ -108,7 +108,7 @@ impl Choice {
 pub enum Setting {
     None,
     /// Stamps beside the primitives, one set for all threads.
-    Primitive(Mutex<Stamps<u32>>),
+    Primitive(Mutex<Stamps>),
     /// Stamps for each thread, for so many primitives.
     Array(usize),
     /// A hash for each ray, of so many slots.
@@ -118,7 +118,7 @@ pub enum Setting {
 thread_local! {
     /// One array per thread, whatever it traces: ray numbers go on, so what a tracer before this
     /// one left is never taken for its own.
-    static ARRAY: RefCell<Stamps<u32>> = RefCell::new(Stamps::dense(0));
+    static ARRAY: RefCell<Stamps> = RefCell::new(Stamps::dense(0));
 }
 
 impl Setting {

@@ -22,18 +22,6 @@ pub trait MailboxSource {
     fn next_ray(&mut self) -> Self::Mailbox<'_>;
 }
 
-impl<B: MailboxSource> MailboxSource for &mut B {
-    type Mailbox<'r>
-        = B::Mailbox<'r>
-    where
-        Self: 'r;
-
-    #[inline(always)]
-    fn next_ray(&mut self) -> B::Mailbox<'_> {
-        (**self).next_ray()
-    }
-}
-
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NoMailbox;
 
@@ -55,63 +43,45 @@ impl MailboxSource for NoMailbox {
     }
 }
 
-/// A number of rays; 0 stands for none.
-pub trait Stamp: Copy + PartialEq + Default + Send + Sync + 'static {
-    /// The next number, or `None` when they have run out.
-    fn next(self) -> Option<Self>;
-
-    /// The number of the next ray. Where numbers have run out they start again, after `clear` has
-    /// removed all that were given.
-    #[inline(always)]
-    fn of_next_ray(self, clear: impl FnOnce()) -> Self {
-        self.next().unwrap_or_else(|| {
-            clear();
-            Self::default().next().unwrap_or_default()
-        })
+/// The number of the ray after this one; 0 stands for none. Numbers up to `LAST` start again where
+/// they have run out, after `clear` has removed all that were given.
+#[inline(always)]
+fn next_number<const LAST: u32>(ray: u32, clear: impl FnOnce()) -> u32 {
+    if ray == LAST {
+        clear();
+        return 1;
     }
+    ray + 1
 }
 
-impl Stamp for u32 {
-    #[inline(always)]
-    fn next(self) -> Option<Self> {
-        self.checked_add(1)
-    }
-}
-
-impl Stamp for u8 {
-    #[inline(always)]
-    fn next(self) -> Option<Self> {
-        self.checked_add(1)
-    }
-}
-
-/// One stamp for each primitive, next to each other or in records.
+/// One stamp for each primitive, next to each other or in records. `LAST` is the largest number of a
+/// ray.
 #[derive(Debug, Clone)]
-pub struct Stamps<I> {
+pub struct Stamps<const LAST: u32 = { u32::MAX }> {
     /// Primitive `id` is stamped at `id * stride`.
-    stamps: Vec<I>,
+    stamps: Vec<u32>,
     stride: usize,
-    ray: I,
+    ray: u32,
 }
 
-impl<I: Stamp> Stamps<I> {
+impl<const LAST: u32> Stamps<LAST> {
     /// Next to each other.
     pub fn dense(primitives: usize) -> Self {
-        Self { stamps: vec![I::default(); primitives], stride: 1, ray: I::default() }
+        Self { stamps: vec![0; primitives], stride: 1, ray: 0 }
     }
 
     /// Each in a record of that many bytes.
     pub fn in_records(primitives: usize, bytes: usize) -> Self {
-        let stride = bytes.div_ceil(size_of::<I>()).max(1);
-        let stamps = vec![I::default(); primitives.saturating_mul(stride)];
-        Self { stamps, stride, ray: I::default() }
+        let stride = bytes.div_ceil(size_of::<u32>()).max(1);
+        let stamps = vec![0; primitives.saturating_mul(stride)];
+        Self { stamps, stride, ray: 0 }
     }
 
     /// Makes room for so many primitives.
     pub fn hold(&mut self, primitives: usize) {
         let needed = primitives * self.stride;
         if self.stamps.len() < needed {
-            self.stamps.resize(needed, I::default());
+            self.stamps.resize(needed, 0);
         }
     }
 
@@ -120,13 +90,13 @@ impl<I: Stamp> Stamps<I> {
     }
 }
 
-impl<I: Stamp> Default for Stamps<I> {
+impl<const LAST: u32> Default for Stamps<LAST> {
     fn default() -> Self {
         Self::dense(0)
     }
 }
 
-impl<I: Stamp> Mailbox for &mut Stamps<I> {
+impl<const LAST: u32> Mailbox for &mut Stamps<LAST> {
     const ENABLED: bool = true;
 
     #[inline(always)]
@@ -149,35 +119,35 @@ fn is_changed<T: PartialEq>(slot: Option<&mut T>, letter: T) -> bool {
     }
 }
 
-impl<I: Stamp> MailboxSource for Stamps<I> {
+impl<const LAST: u32> MailboxSource for Stamps<LAST> {
     type Mailbox<'r> = &'r mut Self;
 
     #[inline(always)]
     fn next_ray(&mut self) -> &mut Self {
-        self.ray = self.ray.of_next_ray(|| self.stamps.fill(I::default()));
+        self.ray = next_number::<LAST>(self.ray, || self.stamps.fill(0));
         self
     }
 }
 
 /// A table whose slots hold the last primitive of those that fall into each.
 #[derive(Debug, Clone)]
-pub struct Slots<I> {
-    slots: Vec<(I, u32)>,
+pub struct Slots<const LAST: u32 = { u32::MAX }> {
+    slots: Vec<(u32, u32)>,
     /// 32 minus the logarithm of their number.
     shift: u32,
-    ray: I,
+    ray: u32,
 }
 
-impl<I: Stamp> Slots<I> {
+impl<const LAST: u32> Slots<LAST> {
     /// At least that many slots, a power of two.
     pub fn new(slots: usize) -> Self {
         let slots = slots.clamp(1, 1 << 20).next_power_of_two();
         let shift = 32 - slots.trailing_zeros();
-        Self { slots: vec![(I::default(), 0); slots], shift, ray: I::default() }
+        Self { slots: vec![(0, 0); slots], shift, ray: 0 }
     }
 }
 
-impl<I: Stamp> Mailbox for &mut Slots<I> {
+impl<const LAST: u32> Mailbox for &mut Slots<LAST> {
     const ENABLED: bool = true;
 
     #[inline(always)]
@@ -188,12 +158,12 @@ impl<I: Stamp> Mailbox for &mut Slots<I> {
     }
 }
 
-impl<I: Stamp> MailboxSource for Slots<I> {
+impl<const LAST: u32> MailboxSource for Slots<LAST> {
     type Mailbox<'r> = &'r mut Self;
 
     #[inline(always)]
     fn next_ray(&mut self) -> &mut Self {
-        self.ray = self.ray.of_next_ray(|| self.slots.fill((I::default(), 0)));
+        self.ray = next_number::<LAST>(self.ray, || self.slots.fill((0, 0)));
         self
     }
 }

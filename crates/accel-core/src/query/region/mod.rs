@@ -15,6 +15,7 @@ use std::ops::ControlFlow;
 
 use crate::primitives::{Ball, Primitives};
 use crate::query::counters::add_fields;
+use crate::query::mailbox::{Mailbox, MailboxSource, Stamps};
 use crate::structure::{Structure, StructureStats};
 
 /// A built structure that can be asked by frusta.
@@ -59,22 +60,8 @@ pub struct Candidates {
     pub ids: Vec<u32>,
     /// Total work of all queries so far.
     pub work: FrustumWork,
-    /// Number of the last query that saw an id.
-    stamps: Vec<u32>,
-    query: u32,
-}
-
-impl Candidates {
-    fn begin(&mut self, primitives: usize) {
-        self.ids.clear();
-        self.work.queries += 1;
-        self.query = self.query.wrapping_add(1);
-        if self.stamps.len() != primitives || self.query == 0 {
-            self.stamps.clear();
-            self.stamps.resize(primitives, 0);
-            self.query = 1;
-        }
-    }
+    /// The ids that a query has seen.
+    seen: Stamps,
 }
 
 /// Answers [`FrustumQueries`] by the traversal of a structure.
@@ -105,18 +92,19 @@ impl<T: FrustumTraversal> FrustumQueries for BoundFrustumQueries<T> {
         candidates: &mut Candidates,
         arrived: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>,
     ) {
-        candidates.begin(self.first.len() - 1);
-        let Candidates { ids, work, stamps, query } = candidates;
+        let Candidates { ids, work, seen } = candidates;
+        ids.clear();
+        work.queries += 1;
+        seen.hold(self.first.len() - 1);
+        let mut seen = seen.next_ray();
         self.structure.traverse_frustum(frustum, &mut |cell, depth| {
             let before = ids.len();
             work.cells += 1;
             work.references += cell.len() as u64;
             for &id in cell {
-                let stamp = &mut stamps[id as usize];
-                if *stamp == *query {
+                if !seen.is_new(id) {
                     continue;
                 }
-                *stamp = *query;
                 work.tests += 1;
                 let hull = self.first[id as usize] as usize..self.first[id as usize + 1] as usize;
                 if frustum.meets_balls(&self.balls[hull]) {
