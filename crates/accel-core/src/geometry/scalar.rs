@@ -76,8 +76,6 @@ pub trait Scalar:
     fn sqrt(self) -> Self;
     /// Absolute value.
     fn abs(self) -> Self;
-    /// Largest integer not above.
-    fn floor(self) -> Self;
     /// Truncates towards zero, saturating; NaN gives 0.
     fn to_i32(self) -> i32;
     /// The whole part, but at least 0 and at most `most`, which is at most [`MAX_INDEX`]; NaN
@@ -85,8 +83,6 @@ pub trait Scalar:
     fn to_index(self, most: i32) -> i32;
     /// Exact for |i| < 2^24.
     fn from_i32(i: i32) -> Self;
-    /// `self * a + b` with one rounding.
-    fn fused_mul_add(self, a: Self, b: Self) -> Self;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
     /// The next representable number above.
@@ -180,10 +176,8 @@ macro_rules! scalar {
                 fn to_f64(self) -> f64 = f64::from(self);
                 fn sqrt(self) -> Self = self.sqrt();
                 fn abs(self) -> Self = self.abs();
-                fn floor(self) -> Self = self.floor();
                 fn to_i32(self) -> i32 = self as i32;
                 fn from_i32(i: i32) -> Self = i as $s;
-                fn fused_mul_add(self, a: Self, b: Self) -> Self = self.mul_add(a, b);
                 fn is_finite(self) -> bool = self.is_finite();
                 fn next_up(self) -> Self = self.next_up();
                 fn next_down(self) -> Self = self.next_down();

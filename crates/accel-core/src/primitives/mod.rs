@@ -41,20 +41,13 @@ pub use triangle::{MoellerTrumbore, MoellerTrumboreWithin, TriangleSet, Triangle
 pub use triangle_block::TriangleBlock;
 
 /// A set of primitives, whichever.
+#[derive(Clone, Copy)]
 pub enum PrimsRef<'a, S: Scalar> {
     /// Triangles with the watertight test.
     Watertight(&'a TriangleSet<S>),
     /// Primitives of any kind.
     Mixed(&'a MixedSet<S>),
 }
-
-impl<S: Scalar> Clone for PrimsRef<'_, S> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<S: Scalar> Copy for PrimsRef<'_, S> {}
 
 impl<'a, S: Scalar> PrimsRef<'a, S> {
     /// The set as what is built over it sees it.

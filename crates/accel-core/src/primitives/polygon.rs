@@ -23,10 +23,6 @@ use crate::primitives::shear::{Shear, near_factor};
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
 use crate::primitives::watertight::edge_function;
 
-/// A polygon of fewer than three vertices: how many it has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct TooFewVertices(pub usize);
-
 /// By how many epsilons of a ray's distance on an axis the numerator of a plane's parameter is off,
 /// unless every rounding is at its worst at once.
 const PLANE_ULPS: f64 = 1.5;
@@ -51,13 +47,10 @@ pub struct Polygon<S: Scalar> {
 }
 
 impl<S: Scalar> Polygon<S> {
-    /// Appends the vertices to `store` and returns the polygon over them.
-    ///
-    /// # Errors
-    /// `TooFewVertices` below three vertices.
-    pub fn new(vertices: &[glam::DVec3], store: &mut Vec<[S; 3]>) -> Result<Self, TooFewVertices> {
+    /// Appends the vertices to `store` and returns the polygon over them; none below three.
+    pub fn new(vertices: &[glam::DVec3], store: &mut Vec<[S; 3]>) -> Option<Self> {
         if vertices.len() < 3 {
-            return Err(TooFewVertices(vertices.len()));
+            return None;
         }
         let first = store.len() as u32;
         let mut bounds = Aabb::empty();
@@ -83,7 +76,7 @@ impl<S: Scalar> Polygon<S> {
         // four magnitudes are in `Shear::fine`
         let allowed = GRAZING_ULPS / 4.0 * near_factor::<S>().to_f64();
         let least_slope = S::from_f64((PLANE_ULPS + off_plane) / allowed);
-        Ok(Self { least_slope, ..polygon })
+        Some(Self { least_slope, ..polygon })
     }
 
     /// The hit with the plane if it lies in `[ray.t_min, t_max]` and inside the outline.
@@ -321,7 +314,7 @@ mod tests {
     #[test]
     fn degenerate_outlines() {
         let edge = Polygon::<f32>::new(&[DVec3::ZERO, DVec3::X], &mut Vec::new());
-        assert!(matches!(edge, Err(TooFewVertices(2))));
+        assert!(edge.is_none());
         assert!(!hits(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)], 0.5, 0.0));
     }
 }

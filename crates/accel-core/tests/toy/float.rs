@@ -103,11 +103,9 @@ impl<const P: u32> Scalar for Toy<P> {
         fn to_f64(self) -> f64 = self.0;
         fn sqrt(self) -> Self = Self::rounded(self.0.sqrt());
         fn abs(self) -> Self = Self(self.0.abs());
-        fn floor(self) -> Self = Self::rounded(self.0.floor());
         fn to_i32(self) -> i32 = self.0 as i32;
         fn to_index(self, most: i32) -> i32 = self.0.to_index(most);
         fn from_i32(i: i32) -> Self = Self::rounded(f64::from(i));
-        fn fused_mul_add(self, a: Self, b: Self) -> Self = Self::rounded(self.0.mul_add(a.0, b.0));
         fn is_finite(self) -> bool = self.0.is_finite();
         fn next_up(self) -> Self =
             if self.0 == 0.0 { Self(f64::MIN_POSITIVE) } else { self.moved(self.0.signum() as i64) };

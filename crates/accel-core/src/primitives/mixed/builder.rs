@@ -59,7 +59,7 @@ impl<S: Scalar> MixedSetBuilder<S> {
         let id = self.set.order.len() as u32;
         let first = self.set.polygon_vertices.len();
         let polygon = Polygon::new(vertices, &mut self.set.polygon_vertices)
-            .map_err(|e| PrimitiveError::TooFewVertices { id, vertices: e.0 })?;
+            .ok_or(PrimitiveError::TooFewVertices { id, vertices: vertices.len() })?;
         self.set.polygons.push(polygon);
         let added = &self.set.polygon_vertices[first..];
         let finite = added.as_flattened().iter().all(|x| x.is_finite());
