@@ -8,7 +8,7 @@ use accel_core::geometry::far_ray;
 use accel_core::memory::{MemoryLimit, OutOfMemory};
 use accel_core::primitives::{Primitives, TriangleSet};
 use accel_core::query::counters::WorkCounters;
-use accel_core::query::tracer::{Foreign, Origin, ShadowCount, ShadowRule, Tracer};
+use accel_core::query::tracer::{Foreign, Origin, Tracer};
 use accel_core::structure::{BuildError, StructureInfo, StructureStats};
 use accel_core::{Hit, Ray};
 
@@ -273,21 +273,9 @@ impl<S: PluginScalar> Tracer<S> for PluginTracer<'_, S> {
         self.state().counted(|state| state.closest(&rays[..n], &mut hits[..n]))
     }
 
-    /// Under every rule by [`ShadowRule::OpaqueBlocks`]: others are for structures that traverse.
-    fn count_occlusions(
-        &self,
-        rays: &[Ray<S>],
-        _: ShadowRule,
-        answers: &mut [ShadowCount],
-    ) -> WorkCounters {
-        let n = rays.len().min(answers.len());
-        let (rays, answers) = (&rays[..n], &mut answers[..n]);
-        let mut blocked: Vec<bool> = answers.iter().map(|answer| answer.blocked).collect();
-        let work = self.state().counted(|state| state.occluded(rays, &mut blocked));
-        for (answer, blocked) in answers.iter_mut().zip(blocked) {
-            *answer = ShadowCount { blocked, glass: 0 };
-        }
-        work
+    fn count_occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) -> WorkCounters {
+        let n = rays.len().min(blocked.len());
+        self.state().counted(|state| state.occluded(&rays[..n], &mut blocked[..n]))
     }
 
     fn stats(&self) -> StructureStats {

@@ -7,7 +7,7 @@ use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::occluders::nearest_light::NearestLight;
 use crate::query::counters::WorkCounters;
-use crate::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use crate::query::tracer::Tracer;
 use crate::structure::{Batches, StructureStats};
 
 /// A built occluder with the primitives it was built over; one dynamic call for a batch of rays.
@@ -66,22 +66,8 @@ impl<S: Scalar> Tracer<S> for ShadowPath<'_, S> {
         self.structure.count_closest_hits(rays, hits)
     }
 
-    fn count_occlusions(
-        &self,
-        rays: &[Ray<S>],
-        rule: ShadowRule,
-        answers: &mut [ShadowCount],
-    ) -> WorkCounters {
-        if rule != ShadowRule::OpaqueBlocks {
-            // these ask for glass as well, of which an occluder knows nothing
-            return self.structure.count_occlusions(rays, rule, answers);
-        }
-        let mut blocked = vec![false; rays.len().min(answers.len())];
-        let work = self.occluder.count_occlusions(rays, &self.lights.of_each(rays), &mut blocked);
-        for (answer, blocked) in answers.iter_mut().zip(blocked) {
-            *answer = ShadowCount { blocked, glass: 0 };
-        }
-        work
+    fn count_occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) -> WorkCounters {
+        self.occluder.count_occlusions(rays, &self.lights.of_each(rays), blocked)
     }
 
     fn stats(&self) -> StructureStats {

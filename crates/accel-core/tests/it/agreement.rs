@@ -2,7 +2,7 @@
 
 use accel_core::primitives::PrimsRef;
 use accel_core::query::counters::WorkCounters;
-use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structures::Entry;
 use accel_core::{Hit, Ray, Scalar};
@@ -45,12 +45,10 @@ impl<S: Buildable> Answers<S> {
         rays: &[Ray<S>],
         expected: &Self,
     ) -> (Self, [WorkCounters; 2]) {
-        let preset = |blocked: &bool| ShadowCount { blocked: !blocked, glass: 0 };
-        let mut shadows: Vec<_> = expected.blocked.iter().map(preset).collect();
+        let mut blocked: Vec<bool> = expected.blocked.iter().map(|blocked| !blocked).collect();
         let mut hits = vec![unwritten(); rays.len()];
         let closest = tracer.count_closest_hits(rays, &mut hits);
-        let shadow = tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut shadows);
-        let blocked = shadows.iter().map(|s| s.blocked).collect();
+        let shadow = tracer.count_occlusions(rays, &mut blocked);
         (Self { hits, blocked }, [closest, shadow])
     }
 

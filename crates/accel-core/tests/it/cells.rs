@@ -349,8 +349,7 @@ fn structures_without_cells_return_an_error() {
         fn count_occlusions(
             &self,
             _: &[Ray<f32>],
-            _: accel_core::query::tracer::ShadowRule,
-            _: &mut [accel_core::query::tracer::ShadowCount],
+            _: &mut [bool],
         ) -> accel_core::query::counters::WorkCounters {
             Default::default()
         }

@@ -1,10 +1,9 @@
 //! Rows of a run: a structure answers all rays, an occluder shadow rays only.
 
-use accel_core::Ray;
 use accel_core::occluders::{self, BoxedOccluder};
 use accel_core::primitives::PrimsRef;
 use accel_core::query::counters::WorkCounters;
-use accel_core::query::tracer::{Foreign, ShadowCount, ShadowRule, Tracer};
+use accel_core::query::tracer::{Foreign, Tracer};
 use accel_core::registry::{self, Buildable, RegistryItem};
 use accel_core::structure::{Batches, BuildError, StructureStats};
 use accel_core::structures::Entry;
@@ -146,18 +145,10 @@ impl<S: Buildable> BuiltRow<'_, S> {
                 .zip(hits.par_chunks_mut(chunk))
                 .map(|(rays, hits)| tracer.count_closest_hits(rays, hits))
                 .reduce(WorkCounters::default, sum),
-            (Self::Structure(tracer), Answers::Blocked(blocked)) => {
-                let count = |(rays, blocked): (&[Ray<S>], &mut [bool])| {
-                    let preset = |blocked: &bool| ShadowCount { blocked: *blocked, glass: 0 };
-                    let mut answers: Vec<_> = blocked.iter().map(preset).collect();
-                    let rule = ShadowRule::OpaqueBlocks;
-                    let work = tracer.count_occlusions(rays, rule, &mut answers);
-                    blocked.iter_mut().zip(&answers).for_each(|(b, a)| *b = a.blocked);
-                    work
-                };
-                let chunks = rays.zip(blocked.par_chunks_mut(chunk));
-                chunks.map(count).reduce(WorkCounters::default, sum)
-            }
+            (Self::Structure(tracer), Answers::Blocked(blocked)) => rays
+                .zip(blocked.par_chunks_mut(chunk))
+                .map(|(rays, blocked)| tracer.count_occlusions(rays, blocked))
+                .reduce(WorkCounters::default, sum),
             (Self::Occluder(occluder), Answers::Blocked(blocked)) => rays
                 .zip(batch.lights.par_chunks(chunk))
                 .zip(blocked.par_chunks_mut(chunk))

@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use accel_core::query::counters::WorkCounters;
-use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::StructureStats;
 use accel_core::{Hit, Ray};
@@ -41,24 +41,15 @@ impl<S: Buildable> Tracer<S> for CountingTracer<'_, S> {
     }
 
     fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
-        let mut answers = vec![ShadowCount::default(); rays.len()];
-        self.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut answers);
-        for (blocked, answer) in blocked.iter_mut().zip(&answers) {
-            *blocked = answer.blocked;
-        }
+        self.count_occlusions(rays, blocked);
     }
 
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
         self.add(self.tracer.count_closest_hits(rays, hits))
     }
 
-    fn count_occlusions(
-        &self,
-        rays: &[Ray<S>],
-        rule: ShadowRule,
-        answers: &mut [ShadowCount],
-    ) -> WorkCounters {
-        self.add(self.tracer.count_occlusions(rays, rule, answers))
+    fn count_occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) -> WorkCounters {
+        self.add(self.tracer.count_occlusions(rays, blocked))
     }
 
     fn stats(&self) -> StructureStats {

@@ -5,7 +5,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use crate::accuracy::record::TrialCounts;
 use crate::error::StudyError;
 use accel_core::query::counters::WorkCounters;
-use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::structures::Entry;
@@ -259,8 +259,7 @@ pub fn counted<S: Scalar>(tracer: &dyn Tracer<S>, batches: &Batches<S>) -> WorkC
     let mut total = WorkCounters::default();
     for (kind, rays) in batches {
         total += if kind.is_occlusion() {
-            let mut answers = vec![ShadowCount::default(); rays.len()];
-            tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut answers)
+            tracer.count_occlusions(rays, &mut vec![false; rays.len()])
         } else {
             tracer.count_closest_hits(rays, &mut vec![Hit::NONE; rays.len()])
         };

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use accel_core::Hit;
+use accel_core::query::cells::NoCells;
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::structure::{BuildError, StructureStats};
@@ -93,6 +94,8 @@ pub enum ReproduceError {
     Build(#[from] BuildError),
     #[error(transparent)]
     Plan(#[from] PlanError),
+    #[error(transparent)]
+    Cells(#[from] NoCells),
 }
 
 /// Counters in the paper's symbols.
@@ -146,7 +149,11 @@ impl PublishedScene {
     }
 
     /// Counts what `tracer` does for all rays, shadow rays by this rule.
-    pub(crate) fn count(&self, tracer: &dyn Tracer<f64>, rule: ShadowRule) -> SceneWork {
+    pub(crate) fn count(
+        &self,
+        tracer: &dyn Tracer<f64>,
+        rule: ShadowRule,
+    ) -> Result<SceneWork, NoCells> {
         let mut counters = WorkCounters::default();
         let mut hits_of = |kinds: &[RayKind]| {
             let mut found = 0;
@@ -161,13 +168,13 @@ impl PublishedScene {
         let primary_hits = hits_of(&[RayKind::Primary]);
         let secondary_hits = hits_of(&[RayKind::Reflected, RayKind::Refracted]);
         let rays = self.rays.rays(RayKind::Shadow);
-        let mut answers = vec![ShadowCount { blocked: false, glass: 0 }; rays.len()];
-        counters += tracer.count_occlusions(rays, rule, &mut answers);
+        let mut answers = vec![ShadowCount::default(); rays.len()];
+        counters += tracer.count_historical(rays, rule, &mut answers)?;
         let shadow_hits =
             answers.iter().map(|a| if a.blocked { 1 } else { u64::from(a.glass) }).sum();
         let blocked = answers.iter().filter(|a| a.blocked).count() as u64;
         let stats = tracer.stats();
-        SceneWork { stats, counters, primary_hits, secondary_hits, shadow_hits, blocked }
+        Ok(SceneWork { stats, counters, primary_hits, secondary_hits, shadow_hits, blocked })
     }
 
     pub(super) fn invariants(&self, work: &SceneWork) -> PaperCounters {

@@ -36,7 +36,7 @@ pub(super) fn count_uniform(
     let resolution = resolution.unwrap_or("heterogeneous");
     let row = format!("uniform-grid:resolution={resolution}:boxes=historical:order=reverse");
     let tracer = build(&row, &scene.geometry)?;
-    Ok(scene.count(tracer.as_ref(), ShadowRule::Historical))
+    Ok(scene.count(tracer.as_ref(), ShadowRule::Historical)?)
 }
 
 pub(super) fn uniform(scene: &PublishedScene, setting: &Setting) -> Counted {
@@ -71,7 +71,7 @@ fn build_recursive<'g>(
 
 pub(super) fn recursive(scene: &PublishedScene, setting: &Setting) -> Counted {
     let tracer = build_recursive(&scene.geometry, setting.params)?;
-    let work = scene.count(tracer.as_ref(), ShadowRule::HistoricalInCell);
+    let work = scene.count(tracer.as_ref(), ShadowRule::HistoricalInCell)?;
     Ok(grid_counters(scene, &work))
 }
 
@@ -79,7 +79,7 @@ pub(super) fn hug(scene: &PublishedScene, setting: &Setting) -> Counted {
     let own = build_hug(&scene.geometry, setting.params, 0)?;
     let cells = own.stats().cells;
     let sized = sized_as_published(&scene.geometry, setting, own.stats())?;
-    let work = scene.count(sized.unwrap_or(own).as_ref(), ShadowRule::Historical);
+    let work = scene.count(sized.unwrap_or(own).as_ref(), ShadowRule::Historical)?;
     let mut counters = grid_counters(scene, &work);
     for (name, value) in &mut counters {
         if *name == "N_V" {
@@ -167,7 +167,7 @@ fn count_over<P: PrimSet<f64>>(scene: &PublishedScene, prims: &P, params: &Param
             }
         }
     }
-    let work = scene.count(&Bound::<_, _, _, true>::new(prims, grid), ShadowRule::Historical);
+    let work = scene.count(&Bound::<_, _, _, true>::new(prims, grid), ShadowRule::Historical)?;
     let mut all = grid_counters(scene, &work);
     all.extend([
         ("N_ORP", orphans as f64),
@@ -191,7 +191,7 @@ pub const OCTREES: [&str; 5] =
 /// Glass ends no shadow ray.
 pub(super) fn octree(scene: &PublishedScene, setting: &Setting) -> Counted {
     let tracer = build_octree(&scene.geometry, setting.structure, setting.params)?;
-    let work = scene.count(tracer.as_ref(), ShadowRule::Historical);
+    let work = scene.count(tracer.as_ref(), ShadowRule::Historical)?;
     let required = work.primary_hits + work.secondary_hits + work.shadow_hits;
     let mut counters = grid_counters(scene, &work);
     // visits of leaves that hold primitives but end no ray: every ray that ends does so in one leaf

@@ -4,7 +4,7 @@
 
 use std::fmt;
 
-use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::{Hit, MISS, Ray, Scalar, Vec3, Vector};
 use glam::DVec3;
@@ -39,11 +39,10 @@ impl<S: Buildable> Answers<S> {
         let (closest, blocked) = together(tracer, rays);
         let some: Vec<Ray<S>> = rays.iter().copied().step_by(REPEATED).collect();
         let mut counted = vec![unwritten(); some.len()];
-        let preset = |hit: &Hit<S>| ShadowCount { blocked: !hit.is_hit(), glass: 0 };
-        let mut shadows: Vec<_> = closest.iter().step_by(REPEATED).map(preset).collect();
+        let preset = |hit: &Hit<S>| !hit.is_hit();
+        let mut counted_blocked: Vec<bool> = closest.iter().step_by(REPEATED).map(preset).collect();
         tracer.count_closest_hits(&some, &mut counted);
-        tracer.count_occlusions(&some, ShadowRule::OpaqueBlocks, &mut shadows);
-        let counted_blocked = shadows.iter().map(|s| s.blocked).collect();
+        tracer.count_occlusions(&some, &mut counted_blocked);
         let mut again =
             vec![Repeated { how: "when counting", closest: counted, blocked: counted_blocked }];
         // where batches are asked ray by ray, these ways are the same

@@ -9,7 +9,7 @@ use crate::geometry::scalar::Scalar;
 use crate::primitives::{PrimSet, PrimsRef};
 use crate::query::batch::each_near;
 use crate::query::counters::WorkCounters;
-use crate::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use crate::query::tracer::Tracer;
 use crate::registry::Buildable;
 use crate::structure::BuildError;
 use crate::{bvh, structures};
@@ -74,10 +74,9 @@ impl<'a, S: Buildable, P: PrimSet<S>> Remainder<'a, S, P> {
             work.intersection_tests += self.prims.len() as u64;
             return self.is_blocked(ray);
         };
-        let mut answers = [ShadowCount::default()];
-        let rays = std::slice::from_ref(ray);
-        *work += tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut answers);
-        answers[0].blocked
+        let mut blocked = [false];
+        *work += tracer.count_occlusions(std::slice::from_ref(ray), &mut blocked);
+        blocked[0]
     }
 
     fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {

@@ -120,6 +120,15 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
         self.parts.structure.answer_batch(self.prims, blocks, batch)
     }
 
+    /// Answers each ray; what it took. Packets are counted as they are timed.
+    fn counted<A: Answer<S>>(&self, rays: &[Ray<S>], answers: &mut [A]) -> WorkCounters {
+        if !COMPILED || self.parts.structure.batches(self.prims, None) != Batches::Packets {
+            return self.erased().counted(rays, answers, &self.mailbox);
+        }
+        let n = rays.len().min(answers.len());
+        self.answer_batch(None, &rays[..n], A::of_batch(&mut answers[..n]))
+    }
+
     /// [`Tracer::count_closest_hits`] with a mailbox of the caller's, in place of that of the
     /// settings.
     pub fn count_closest<B: MailboxSource>(
@@ -128,7 +137,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
         hits: &mut [Hit<S>],
         mailboxes: B,
     ) -> WorkCounters {
-        self.erased().closest_hits(rays, hits, mailboxes)
+        self.erased().counted_with(rays, hits, mailboxes)
     }
 
     fn erased(&self) -> ErasedTracer<'_, S, P> {
@@ -154,30 +163,20 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
     }
 
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
-        if !COMPILED || self.parts.structure.batches(self.prims, None) != Batches::Packets {
-            return self.erased().all_closest(rays, hits, &self.mailbox);
-        }
-        let n = rays.len().min(hits.len());
-        self.answer_batch(None, &rays[..n], BatchAnswers::Closest(&mut hits[..n]))
+        self.counted(rays, hits)
     }
 
-    fn count_occlusions(
+    fn count_occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) -> WorkCounters {
+        self.counted(rays, blocked)
+    }
+
+    fn count_historical(
         &self,
         rays: &[Ray<S>],
         rule: ShadowRule,
         answers: &mut [ShadowCount],
-    ) -> WorkCounters {
-        let batches = self.parts.structure.batches(self.prims, None);
-        if !COMPILED || batches != Batches::Packets || rule != ShadowRule::OpaqueBlocks {
-            return self.erased().occlusions(rays, rule, answers, &self.mailbox);
-        }
-        let n = rays.len().min(answers.len());
-        let mut blocked: Vec<bool> = answers[..n].iter().map(|answer| answer.blocked).collect();
-        let work = self.answer_batch(None, &rays[..n], BatchAnswers::Occlusion(&mut blocked));
-        for (answer, blocked) in answers.iter_mut().zip(blocked) {
-            *answer = ShadowCount { blocked, glass: 0 };
-        }
-        work
+    ) -> Result<WorkCounters, NoCells> {
+        Ok(self.erased().historical(rays, rule, answers))
     }
 
     fn stats(&self) -> StructureStats {

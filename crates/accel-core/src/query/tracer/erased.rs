@@ -10,7 +10,7 @@ use crate::primitives::PrimSet;
 use crate::query::batch::{each_near, rebase_origin};
 use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::kernel::BlockSink;
-use crate::query::mailbox::{AnyMailbox, Mailbox, MailboxSource, NoMailbox, Setting};
+use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
 use crate::query::sink::{Answer, ClosestHit, ErasedSink, Query, RelayedSink, Sink};
 use crate::query::trace::{Recorder, TraversalTrace};
 
@@ -24,37 +24,34 @@ pub(super) struct ErasedTracer<'a, S: Scalar, P> {
 
 // Mailboxes are taken out here, too: a structure would have its own code for each.
 impl<S: Scalar, P: PrimSet<S>> ErasedTracer<'_, S, P> {
-    /// [`ErasedTracer::closest_hits`] with the mailbox of the settings.
-    pub fn all_closest(
+    /// [`ErasedTracer::counted_with`] the mailbox of the settings.
+    pub fn counted<A: Answer<S>>(
         &self,
         rays: &[Ray<S>],
-        hits: &mut [Hit<S>],
+        answers: &mut [A],
         mailbox: &Setting,
     ) -> WorkCounters {
-        mailbox.with(|mailbox| self.closest_hits(rays, hits, mailbox))
+        mailbox.with(|mailbox| self.counted_with(rays, answers, mailbox))
     }
 
-    /// The closest hit of every ray.
-    pub fn closest_hits<B: MailboxSource>(
+    /// Answers each ray; what it took.
+    pub fn counted_with<A: Answer<S>, B: MailboxSource>(
         &self,
         rays: &[Ray<S>],
-        hits: &mut [Hit<S>],
+        answers: &mut [A],
         mut mailboxes: B,
     ) -> WorkCounters {
         let mut total = WorkCounters::default();
-        each_near(self.reach, rays, hits, |ray| {
-            let (hit, counters) = self.answered(ray, mailboxes.next_ray());
+        each_near(self.reach, rays, answers, |ray| {
+            let mailbox = mailboxes.next_ray();
+            let mut query =
+                Query::<S, P, WorkCounters, A, _>::with_mailbox(self.prims, ray, mailbox);
+            self.structure.counted(ray, ErasedSink::new(&mut query));
+            let (answer, counters) = query.finish();
             total += counters;
-            hit
+            answer
         });
         total
-    }
-
-    /// The answer of a ray near the scene, and what it took.
-    fn answered<A: Answer<S>, M: Mailbox>(&self, ray: &Ray<S>, mailbox: M) -> (A, WorkCounters) {
-        let mut query = Query::<S, P, WorkCounters, A, M>::with_mailbox(self.prims, ray, mailbox);
-        self.structure.counted(ray, ErasedSink::new(&mut query));
-        query.finish()
     }
 
     /// The closest hit of a ray, and the trace to it.
@@ -72,51 +69,34 @@ impl<S: Scalar, P: PrimSet<S>> ErasedTracer<'_, S, P> {
         TraversalTrace { steps, hit: hits[0], counters: total }
     }
 
-    /// Finds the occlusions of each shadow ray.
-    pub fn occlusions(
+    /// Answers each historical shadow ray, which has no mailbox; what it took.
+    pub fn historical(
         &self,
         rays: &[Ray<S>],
         rule: ShadowRule,
         answers: &mut [ShadowCount],
-        mailbox: &Setting,
     ) -> WorkCounters {
         let mut total = WorkCounters::default();
-        mailbox.with(|mut mailbox| {
-            for (ray, answer) in rays.iter().zip(answers) {
-                *answer = ShadowCount::default();
-                if let Some((near, _)) = rebase_origin(ray, self.reach, &mut None) {
-                    let counters;
-                    (*answer, counters) = self.shadow(near, rule, &mut mailbox);
-                    total += counters;
+        for (ray, answer) in rays.iter().zip(answers) {
+            *answer = ShadowCount::default();
+            let mut moved = None;
+            let Some((ray, _)) = rebase_origin(ray, self.reach, &mut moved) else { continue };
+            let counters: WorkCounters;
+            (*answer, counters) = match rule {
+                ShadowRule::Historical => {
+                    let mut sink = HistoricalShadow::new(self.prims, ray);
+                    self.structure.counted(ray, ErasedSink::new(&mut sink));
+                    sink.finish()
                 }
-            }
-        });
-        total
-    }
-
-    /// One shadow ray; the historical ones have no mailbox.
-    fn shadow(
-        &self,
-        ray: &Ray<S>,
-        rule: ShadowRule,
-        mailbox: &mut AnyMailbox,
-    ) -> (ShadowCount, WorkCounters) {
-        match rule {
-            ShadowRule::OpaqueBlocks => {
-                let (blocked, counters) = self.answered(ray, mailbox.next_ray());
-                (ShadowCount { blocked, glass: 0 }, counters)
-            }
-            ShadowRule::Historical => {
-                let mut sink = HistoricalShadow::<S, P, WorkCounters>::new(self.prims, ray);
-                self.structure.counted(ray, ErasedSink::new(&mut sink));
-                sink.finish()
-            }
-            ShadowRule::HistoricalInCell => {
-                let mut sink = HistoricalCellShadow::<S, P, WorkCounters>::new(self.prims, ray);
-                self.structure.counted(ray, ErasedSink::new(&mut sink));
-                sink.finish()
-            }
+                ShadowRule::HistoricalInCell => {
+                    let mut sink = HistoricalCellShadow::new(self.prims, ray);
+                    self.structure.counted(ray, ErasedSink::new(&mut sink));
+                    sink.finish()
+                }
+            };
+            total += counters;
         }
+        total
     }
 
     /// Answers each ray, with the mailbox of the settings if there is one.

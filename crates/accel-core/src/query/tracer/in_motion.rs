@@ -6,8 +6,8 @@
 //! without a mailbox have the query itself compiled in, as those of scenes at rest have. Scenes at
 //! rest are traced by [`Bound`](super::Bound) as ever.
 
+use super::Tracer;
 use super::erased::ErasedTracer;
-use super::{ShadowCount, ShadowRule, Tracer};
 use crate::geometry::far_ray;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
@@ -73,16 +73,11 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
     }
 
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
-        self.erased().all_closest(rays, hits, &self.mailbox)
+        self.erased().counted(rays, hits, &self.mailbox)
     }
 
-    fn count_occlusions(
-        &self,
-        rays: &[Ray<S>],
-        rule: ShadowRule,
-        answers: &mut [ShadowCount],
-    ) -> WorkCounters {
-        self.erased().occlusions(rays, rule, answers, &self.mailbox)
+    fn count_occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) -> WorkCounters {
+        self.erased().counted(rays, blocked, &self.mailbox)
     }
 
     fn stats(&self) -> StructureStats {

@@ -23,12 +23,9 @@ pub(crate) mod tested;
 pub use bound::Bound;
 pub use in_motion::BoundInMotion;
 
-/// Behaviour of shadow rays when counting; `results/published/README.md` explains the historical
-/// rules.
+/// Behaviour of historical shadow rays; `results/published/README.md` explains the rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ShadowRule {
-    /// Stops at the first opaque hit; transmissive primitives are ignored.
-    OpaqueBlocks,
     /// As Havran and Sixta counted: glass that was hit is remembered and not tested again.
     Historical,
     /// As Havran and Sixta counted in the recursive grid: whatever is hit stops the ray, at once
@@ -57,12 +54,19 @@ pub trait Tracer<S: Scalar>: Send + Sync {
     /// [`Tracer::closest_hits`], counting the work.
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters;
     /// [`Tracer::occlusions`], counting the work.
-    fn count_occlusions(
+    fn count_occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) -> WorkCounters;
+    /// Traces historical shadow rays, counting the work.
+    ///
+    /// # Errors
+    /// [`NoCells`] for tracers other than [`Bound`].
+    fn count_historical(
         &self,
-        rays: &[Ray<S>],
-        rule: ShadowRule,
-        answers: &mut [ShadowCount],
-    ) -> WorkCounters;
+        _rays: &[Ray<S>],
+        _rule: ShadowRule,
+        _answers: &mut [ShadowCount],
+    ) -> Result<WorkCounters, NoCells> {
+        Err(NoCells::UNTOLD)
+    }
     /// Statistics of the built structure.
     fn stats(&self) -> StructureStats;
     /// The structure's cells: [`crate::structure::Structure::cells`].
