@@ -22,7 +22,7 @@ mod rays;
 pub mod surface;
 pub mod tracers;
 
-pub use effects::{Effect, EffectPlan, Gating, RayCounts, RenderSettings, Samples};
+pub use effects::{Effect, EffectPlan, Gating, RayCounts, RenderSettings};
 pub use film::{Image, ImageError, ImageFormat};
 pub use geometry::{Geometry, GeometryError};
 pub use rays::{RayBatches, RayKind, RaySettings, ShadowRays};

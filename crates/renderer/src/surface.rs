@@ -4,6 +4,9 @@
 //! Origin + t * direction is off the surface by the rounding of `t`, which grows with the way the
 //! ray came. In double precision the point is therefore projected onto the primitive along its
 //! normal; what is left is the rounding of the primitive's own coordinates.
+//!
+//! Paper: B. T. Phong, "Illumination for Computer Generated Pictures", CACM 18(6), 1975 (normals
+//! interpolated between the vertices of a patch).
 
 use accel_core::primitives::newell_normal;
 use glam::DVec3;

@@ -32,8 +32,6 @@ impl Effect {
 pub struct EffectInfo {
     pub effect: Effect,
     pub name: &'static str,
-    /// Source, and our deviations.
-    pub paper: &'static str,
     /// The reason in the scene to simulate it; `None` without one.
     pub called_by: fn(&Scene, &RenderSettings) -> Option<String>,
 }
@@ -42,7 +40,6 @@ pub static EFFECTS: [EffectInfo; Effect::COUNT] = [
     EffectInfo {
         effect: Effect::HardShadows,
         name: "hard shadows",
-        paper: "Appel 1968",
         called_by: |scene, _| {
             let points = scene.lights.iter().filter(|light| light.radius <= 0.0).count();
             counted(points, "light").map(|lights| lights + " without a radius")
@@ -51,7 +48,6 @@ pub static EFFECTS: [EffectInfo; Effect::COUNT] = [
     EffectInfo {
         effect: Effect::SoftShadows,
         name: "soft shadows",
-        paper: "Cook, Porter, Carpenter 1984",
         called_by: |scene, _| {
             let discs = scene.lights.iter().filter(|light| light.radius > 0.0).count();
             counted(discs, "light").map(|lights| lights + " with a radius")
@@ -60,7 +56,6 @@ pub static EFFECTS: [EffectInfo; Effect::COUNT] = [
     EffectInfo {
         effect: Effect::Mirror,
         name: "mirror reflection",
-        paper: "Whitted 1980",
         called_by: |scene, settings| {
             let is_mirror =
                 |m: &Material| (m.specular > 0.0 && m.roughness <= 0.0) || m.transmittance > 0.0;
@@ -71,7 +66,6 @@ pub static EFFECTS: [EffectInfo; Effect::COUNT] = [
     EffectInfo {
         effect: Effect::Gloss,
         name: "glossy reflection",
-        paper: "Cook, Porter, Carpenter 1984; Walter et al. 2007",
         called_by: |scene, settings| {
             let is_rough = |m: &Material| m.specular > 0.0 && m.roughness > 0.0;
             sending(scene, settings, is_rough, "mirror")
@@ -81,7 +75,6 @@ pub static EFFECTS: [EffectInfo; Effect::COUNT] = [
     EffectInfo {
         effect: Effect::Refraction,
         name: "refraction",
-        paper: "Whitted 1980",
         called_by: |scene, settings| {
             let transmits = |m: &Material| m.transmittance > 0.0;
             sending(scene, settings, transmits, "material")
@@ -91,7 +84,6 @@ pub static EFFECTS: [EffectInfo; Effect::COUNT] = [
     EffectInfo {
         effect: Effect::SmoothNormals,
         name: "smooth normals",
-        paper: "Phong 1975",
         called_by: |scene, _| {
             let is_patch = |shape: Shape| matches!(shape, Shape::Patch { .. });
             let patches = scene.primitives.iter().filter(|p| is_patch(p.shape)).count();
@@ -101,7 +93,6 @@ pub static EFFECTS: [EffectInfo; Effect::COUNT] = [
     EffectInfo {
         effect: Effect::Textures,
         name: "textures",
-        paper: "Catmull 1974; bilinear, no mip maps",
         called_by: |scene, _| {
             let has_texture =
                 |m: &&Material| m.texture.is_some_and(|t| (t as usize) < scene.textures.len());
@@ -113,7 +104,6 @@ pub static EFFECTS: [EffectInfo; Effect::COUNT] = [
     EffectInfo {
         effect: Effect::Focus,
         name: "depth of field",
-        paper: "Potmesil, Chakravarty 1981; Cook, Porter, Carpenter 1984",
         called_by: |scene, _| {
             let aperture = scene.camera.aperture;
             (aperture > 0.0).then(|| format!("a lens of radius {aperture}"))
@@ -122,7 +112,6 @@ pub static EFFECTS: [EffectInfo; Effect::COUNT] = [
     EffectInfo {
         effect: Effect::Motion,
         name: "motion blur",
-        paper: "Cook, Porter, Carpenter 1984",
         called_by: |scene, _| {
             let moving = scene.velocities.iter().filter(|v| **v != DVec3::ZERO).count();
             let shutter = scene.camera.shutter;
@@ -133,9 +122,8 @@ pub static EFFECTS: [EffectInfo; Effect::COUNT] = [
     EffectInfo {
         effect: Effect::Supersampling,
         name: "supersampling",
-        paper: "Whitted 1980; Cook 1986",
         called_by: |scene, settings| {
-            let samples = Samples::of(scene, settings).supersamples;
+            let samples = samples(scene, settings, Effect::Supersampling);
             let typed = settings.samples.supersamples.is_some();
             let who = if typed { "the command line" } else { "the scene" };
             (samples > 1).then(|| format!("{who} asks for {samples} samples of a pixel's area"))
@@ -190,34 +178,16 @@ impl Default for RenderSettings {
     }
 }
 
-/// Numbers of samples: what the settings say, else what the scene says, else 16 (1 for the area
-/// of a pixel). Those of effects that are not called for are not used.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Samples {
-    /// Eye rays per pixel for its area.
-    pub supersamples: u32,
-    /// Shadow rays per hit and light with a radius.
-    pub shadow: u32,
-    /// Rays of the first rough mirror of a path.
-    pub glossy: u32,
-    /// Eye rays per pixel for the time the shutter is open.
-    pub temporal: u32,
-    /// Eye rays per pixel for the area of the lens.
-    pub focal: u32,
-}
-
-impl Samples {
-    pub fn of(scene: &Scene, settings: &RenderSettings) -> Self {
-        let (typed, wished) = (settings.samples, scene.samples);
-        let number = |typed: Option<u32>, wished: Option<u32>, default: u32| {
-            typed.or(wished).unwrap_or(default).max(1)
-        };
-        Self {
-            supersamples: number(typed.supersamples, wished.supersamples, 1),
-            shadow: number(typed.shadow, wished.shadow, 16),
-            glossy: number(typed.glossy, wished.glossy, 16),
-            temporal: number(typed.temporal, wished.temporal, 16),
-            focal: number(typed.focal, wished.focal, 16),
-        }
-    }
+/// Number of samples of an effect, called for or not: what the settings say, else what the scene
+/// says, else 16 (1 for the area of a pixel). 1 for effects that are not sampled.
+pub(super) fn samples(scene: &Scene, settings: &RenderSettings, effect: Effect) -> u32 {
+    let (wish, default): (fn(&SampleWishes) -> Option<u32>, u32) = match effect {
+        Effect::SoftShadows => (|wishes| wishes.shadow, 16),
+        Effect::Gloss => (|wishes| wishes.glossy, 16),
+        Effect::Focus => (|wishes| wishes.focal, 16),
+        Effect::Motion => (|wishes| wishes.temporal, 16),
+        Effect::Supersampling => (|wishes| wishes.supersamples, 1),
+        _ => return 1,
+    };
+    wish(&settings.samples).or(wish(&scene.samples)).unwrap_or(default).max(1)
 }

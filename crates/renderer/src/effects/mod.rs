@@ -13,7 +13,7 @@ mod sampler;
 mod scatter;
 mod stages;
 
-pub use effect::{EFFECTS, Effect, EffectInfo, RenderSettings, Samples};
+pub use effect::{EFFECTS, Effect, EffectInfo, RenderSettings};
 pub(crate) use hits::ImageColors;
 pub(crate) use lights::{first_light, lights, lit_normal, shadow_ray};
 pub(crate) use plan::plain_stages;

@@ -3,7 +3,7 @@
 
 use scene_loading::Scene;
 
-use super::effect::{EFFECTS, Effect, EffectInfo, RenderSettings, Samples};
+use super::effect::{EFFECTS, Effect, EffectInfo, RenderSettings, samples};
 use super::eye::{Lens, Pinhole, Sampling, sampled};
 use super::hits::{ImageColors, MovedSurfaces};
 use super::lights::{DiscLights, PointLights};
@@ -25,7 +25,8 @@ pub struct RequestedEffect {
 pub struct EffectPlan {
     /// Effects that are called for, in the order of [`EFFECTS`].
     pub called: Vec<RequestedEffect>,
-    pub samples: Samples,
+    /// Samples of each effect, called for or not.
+    samples: [u32; Effect::COUNT],
     settings: RenderSettings,
     /// Some material mirrors or transmits, and rays are long enough to show it.
     scatters: bool,
@@ -56,7 +57,7 @@ impl EffectPlan {
         let scatters = called.iter().any(|called| scattering.contains(&called.info.effect));
         Self {
             called,
-            samples: Samples::of(scene, settings),
+            samples: EFFECTS.each_ref().map(|info| samples(scene, settings, info.effect)),
             settings: *settings,
             scatters,
             lit: true,
@@ -99,17 +100,7 @@ impl EffectPlan {
 
     /// Number of samples of an effect: 1 where it has none or is not called for.
     pub fn factor(&self, effect: Effect) -> u32 {
-        if !self.calls_for(effect) {
-            return 1;
-        }
-        match effect {
-            Effect::SoftShadows => self.samples.shadow,
-            Effect::Gloss => self.samples.glossy,
-            Effect::Focus => self.samples.focal,
-            Effect::Motion => self.samples.temporal,
-            Effect::Supersampling => self.samples.supersamples,
-            _ => 1,
-        }
+        if self.calls_for(effect) { self.samples[effect as usize] } else { 1 }
     }
 
     pub fn rays_per_pixel(&self) -> u32 {
@@ -168,15 +159,15 @@ impl EffectPlan {
     fn lights(&self, scene: &Scene) -> Option<Box<dyn LightStage>> {
         let all = self.gating == Gating::All && self.lit && !scene.lights.is_empty();
         if all || self.calls_for(Effect::SoftShadows) {
-            let lights = DiscLights::new(scene, self.samples.shadow, self.settings.seed);
-            return Some(Box::new(lights));
+            let samples = self.samples[Effect::SoftShadows as usize];
+            return Some(Box::new(DiscLights::new(scene, samples, self.settings.seed)));
         }
         let lit = self.lit && !scene.lights.is_empty();
         lit.then(|| Box::new(PointLights::new(scene, true)) as _)
     }
 
     fn scatter(&self) -> Option<Box<dyn ScatterStage>> {
-        let lobe = Lobe { samples: self.samples.glossy, seed: self.settings.seed };
+        let lobe = Lobe { samples: self.samples[Effect::Gloss as usize], seed: self.settings.seed };
         let [gloss, glass] =
             [Effect::Gloss, Effect::Refraction].map(|effect| self.calls_for(effect));
         let all = self.gating == Gating::All;
