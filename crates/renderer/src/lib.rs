@@ -27,7 +27,7 @@ pub use film::{Image, ImageError, ImageFormat};
 pub use geometry::{Geometry, GeometryError};
 pub use rays::{RayBatches, RayKind, RaySettings, ShadowRays};
 pub use tracers::generate_rays;
-pub use tracers::whitted::{RenderedImage, render, render_plan, render_watched};
+pub use tracers::whitted::{RenderedImage, Whitted, render_plan};
 pub use tracers::work;
 
 /// The level at which this crate is optimised. It is that of `accel_core`, too, in every profile:

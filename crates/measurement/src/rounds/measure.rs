@@ -7,7 +7,7 @@ use std::time::Duration;
 use accel_core::query::tracer::Foreign;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
-use renderer::{RayKind, render};
+use renderer::{RayKind, Whitted};
 
 use crate::answers::check::{RowCheck, stride_for};
 use crate::answers::judge::judge;
@@ -322,7 +322,7 @@ fn render_once<S: Buildable>(scope: &Scope<'_, '_, S>, row: &MeasuredRow<'_>) ->
     let stage = scope.stage;
     scope.pools.measured.install(|| {
         let tracer = row.entry.build(stage.geometry.prims(), &row.params).ok()?;
-        let draw = || render(stage.scene, &*tracer, &scope.plan.settings);
+        let draw = || Whitted::new(stage.scene, &scope.plan.settings).image(&*tracer, &|| ());
         let (image, seconds) = timed(scope.clock, draw);
         std::hint::black_box(image);
         Some(seconds)

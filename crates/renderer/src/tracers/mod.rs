@@ -32,8 +32,9 @@ pub fn generate_rays<S: Buildable>(
     settings: &RaySettings,
 ) -> RayBatches<S> {
     let whitted = Whitted::new(scene, settings);
-    let rows: Vec<TracedRow<S>> =
-        (0..whitted.rows()).into_par_iter().map(|y| whitted.trace_row(tracer, y)).collect();
+    let kept = || Some(RayBatches::default());
+    let row = |y| whitted.trace_columns(tracer, y, 0..whitted.columns(), kept());
+    let rows: Vec<TracedRow<S>> = (0..whitted.rows()).into_par_iter().map(row).collect();
     let mut all = RayBatches::default();
     for row in rows {
         all.total_internal_reflections += row.counts.total_internal_reflections;

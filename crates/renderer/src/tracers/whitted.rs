@@ -74,7 +74,7 @@ struct Path<S: Buildable> {
 }
 
 impl<'a> Whitted<'a> {
-    /// Prepares the rays of measurement.
+    /// Prepares the rays of measurement: one per pixel, hard shadows, perfect mirrors.
     pub fn new(scene: &'a Scene, settings: &RaySettings) -> Self {
         let historical = settings.historical;
         let sampling = if historical { Sampling::PixelCorners } else { Sampling::PixelCentres };
@@ -125,29 +125,46 @@ impl<'a> Whitted<'a> {
         self.grid[0]
     }
 
-    /// Traces row `y`, keeping its rays.
-    pub fn trace_row<S: Buildable>(&self, tracer: &dyn Tracer<S>, y: u32) -> TracedRow<S> {
-        let rays = Some(RayBatches::default());
-        let mut row = TracedRow { rays, counts: RayCounts::default(), colors: Vec::new() };
-        S::of_both(&TRACE_GROUP)(self, tracer, y, 0..self.columns(), &mut row);
-        row
-    }
-
-    /// Traces a part of row `y`.
+    /// Traces a part of row `y`; its rays are added to `rays` where they are kept.
     pub fn trace_columns<S: Buildable>(
         &self,
         tracer: &dyn Tracer<S>,
         y: u32,
         columns: Range<u32>,
+        rays: Option<RayBatches<S>>,
     ) -> TracedRow<S> {
-        let mut row = TracedRow { rays: None, counts: RayCounts::default(), colors: Vec::new() };
-        let rays = self.stages.eye.rays_per_pixel().saturating_mul(self.stages.fan_out);
-        let group = (BATCH as u32 / rays.max(1)).max(1);
+        let mut row = TracedRow { rays, counts: RayCounts::default(), colors: Vec::new() };
+        let samples = self.stages.eye.rays_per_pixel().saturating_mul(self.stages.fan_out);
+        let group = (BATCH as u32 / samples.max(1)).max(1);
         for start in columns.clone().step_by(group as usize) {
             let end = start.saturating_add(group).min(columns.end);
             S::of_both(&TRACE_GROUP)(self, tracer, y, start..end, &mut row);
         }
         row
+    }
+
+    /// Renders the image with `tracer`, in the current rayon pool: the same for any number of
+    /// threads and any right structure. `row_done` is called after each row of pixels, from any
+    /// thread.
+    pub fn image<S: Buildable>(
+        &self,
+        tracer: &dyn Tracer<S>,
+        row_done: &(dyn Fn() + Sync),
+    ) -> RenderedImage {
+        let [width, height] = self.grid;
+        let row = |y| {
+            let row = self.trace_columns(tracer, y, 0..width, None);
+            row_done();
+            (row.colors, row.counts)
+        };
+        let rows: Vec<(Vec<Rgb>, RayCounts)> = (0..height).into_par_iter().map(row).collect();
+        let mut pixels = Vec::with_capacity(width as usize * height as usize);
+        let mut counts = RayCounts::default();
+        for (mut colors, more) in rows {
+            pixels.append(&mut colors);
+            counts += more;
+        }
+        RenderedImage { image: Image { width, height, pixels }, counts }
     }
 
     /// Traces some pixels of row `y` together and appends them.
@@ -323,16 +340,6 @@ fn diffuse_direction(hit: &SurfaceHit<'_>, [x, y]: [u32; 2], seed: u64) -> DVec3
     s * (radius * angle.cos()) + t * (radius * angle.sin()) + normal * (1.0 - u).max(0.0).sqrt()
 }
 
-/// Renders what measurement traces, with `tracer`, in the current rayon pool: one ray per pixel,
-/// hard shadows, perfect mirrors. The same image for any number of threads and any right structure.
-pub fn render<S: Buildable>(
-    scene: &Scene,
-    tracer: &dyn Tracer<S>,
-    settings: &RaySettings,
-) -> Image {
-    image(&Whitted::new(scene, settings), tracer, &|| ()).image
-}
-
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderedImage {
     pub image: Image,
@@ -346,36 +353,5 @@ pub fn render_plan<S: Buildable>(
     tracer: &dyn Tracer<S>,
     plan: &EffectPlan,
 ) -> RenderedImage {
-    image(&Whitted::planned(scene, plan), tracer, &|| ())
-}
-
-/// The same; `row_done` is called after each row of pixels, from any thread.
-pub fn render_watched<S: Buildable>(
-    scene: &Scene,
-    tracer: &dyn Tracer<S>,
-    plan: &EffectPlan,
-    row_done: &(dyn Fn() + Sync),
-) -> RenderedImage {
-    image(&Whitted::planned(scene, plan), tracer, row_done)
-}
-
-fn image<S: Buildable>(
-    whitted: &Whitted<'_>,
-    tracer: &dyn Tracer<S>,
-    row_done: &(dyn Fn() + Sync),
-) -> RenderedImage {
-    let [width, height] = whitted.grid;
-    let row = |y| {
-        let row = whitted.trace_columns(tracer, y, 0..width);
-        row_done();
-        (row.colors, row.counts)
-    };
-    let rows: Vec<(Vec<Rgb>, RayCounts)> = (0..height).into_par_iter().map(row).collect();
-    let mut pixels = Vec::with_capacity(width as usize * height as usize);
-    let mut counts = RayCounts::default();
-    for (mut colors, more) in rows {
-        pixels.append(&mut colors);
-        counts += more;
-    }
-    RenderedImage { image: Image { width, height, pixels }, counts }
+    Whitted::planned(scene, plan).image(tracer, &|| ())
 }

@@ -57,41 +57,28 @@ impl<S: Buildable> Tracer<S> for CountingTracer<'_, S> {
     }
 }
 
-/// Work of each pixel of an image, row by row.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PixelWork {
-    pub resolution: [u32; 2],
-    pub tests: Vec<f64>,
-    pub steps: Vec<f64>,
-    /// Nanoseconds, from a pass of its own that does not count.
-    pub nanoseconds: Vec<f64>,
-}
-
-/// Traces pixel by pixel, in the current rayon pool; `now` is read before and after each.
+/// Work of each pixel of an image, row by row: intersection tests, traversal steps, nanoseconds
+/// from a pass of its own that does not count. Traces pixel by pixel, in the current rayon pool;
+/// `now` is read before and after each.
 pub fn pixel_work<S: Buildable>(
     scene: &Scene,
     tracer: &dyn Tracer<S>,
     plan: &EffectPlan,
     now: &(dyn Fn() -> Duration + Sync),
-) -> PixelWork {
+) -> [Vec<f64>; 3] {
     let whitted = Whitted::planned(scene, plan);
     let (width, height) = (whitted.columns(), whitted.rows());
     let one = |y: u32, x: u32| {
         let counted = CountingTracer::new(tracer);
-        whitted.trace_columns(&counted, y, x..x + 1);
+        whitted.trace_columns(&counted, y, x..x + 1, None);
         let work = counted.total();
         let start = now();
-        whitted.trace_columns(tracer, y, x..x + 1);
+        whitted.trace_columns(tracer, y, x..x + 1, None);
         let time = now().saturating_sub(start);
-        (work.intersection_tests as f64, work.traversal_steps as f64, time.as_nanos() as f64)
+        [work.intersection_tests as f64, work.traversal_steps as f64, time.as_nanos() as f64]
     };
-    let rows: Vec<Vec<(f64, f64, f64)>> =
+    let rows: Vec<Vec<[f64; 3]>> =
         (0..height).into_par_iter().map(|y| (0..width).map(|x| one(y, x)).collect()).collect();
     let pixels = rows.concat();
-    PixelWork {
-        resolution: [width, height],
-        tests: pixels.iter().map(|p| p.0).collect(),
-        steps: pixels.iter().map(|p| p.1).collect(),
-        nanoseconds: pixels.iter().map(|p| p.2).collect(),
-    }
+    std::array::from_fn(|k| pixels.iter().map(|pixel| pixel[k]).collect())
 }

@@ -4,8 +4,7 @@
 use accel_core::structures::{Entry, REGISTRY};
 use glam::DVec3;
 use renderer::effects::EFFECTS;
-use renderer::tracers::whitted::Whitted;
-use renderer::{Effect, EffectPlan, RaySettings, RenderSettings, render};
+use renderer::{Effect, EffectPlan, RaySettings, RenderSettings, Whitted};
 use scene_loading::{SampleWishes, Scene};
 
 use crate::{
@@ -89,8 +88,9 @@ fn the_image_is_that_of_a_renderer_without_the_effects() {
         let rendered = image_of(&scene, &plan, "obvhs-bvh2");
         let ray_settings =
             RaySettings { resolution: SIZE, diffuse: false, ..RaySettings::default() };
-        let plain = through(&scene, "obvhs-bvh2", |tracer| render(&scene, tracer, &ray_settings));
-        assert_eq!(rendered.image, plain, "{}", scene.name);
+        let plain = Whitted::new(&scene, &ray_settings);
+        let plain = through(&scene, "obvhs-bvh2", |tracer| plain.image(tracer, &|| ()));
+        assert_eq!(rendered.image, plain.image, "{}", scene.name);
         compared += 1;
     }
     assert_eq!(compared, NAMED.len());
@@ -143,7 +143,7 @@ fn pixels_that_see_no_gloss_are_those_of_a_scene_without() {
     let pixels: Vec<_> = through(&scene, "obvhs-bvh2", |tracer| {
         let pixel = |i: u32| (i / SIZE[0], i % SIZE[0]);
         let pixels = (0..SIZE[0] * SIZE[1]).map(pixel);
-        pixels.map(|(y, x)| whitted.trace_columns(tracer, y, x..x + 1)).collect()
+        pixels.map(|(y, x)| whitted.trace_columns(tracer, y, x..x + 1, None)).collect()
     });
     let mut free = 0;
     for (i, (pixel, without)) in pixels.iter().zip(&without).enumerate() {

@@ -75,14 +75,15 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs) -> Result<u8, Error> {
             let traced = TracedStructure { tracer: &*tracer, seconds_per_test };
             let rows = rows(&loaded, traced, &settings, &model, clock);
             if args.heat_maps.is_some() {
-                let work = pixel_work(&loaded, &*tracer, &plan, &|| clock.now());
-                let microseconds = work.nanoseconds.iter().map(|t| t / 1e3).collect();
-                let [width, _] = work.resolution;
+                let [tests, steps, nanoseconds] =
+                    pixel_work(&loaded, &*tracer, &plan, &|| clock.now());
+                let microseconds = nanoseconds.iter().map(|t| t / 1e3).collect();
+                let [width, _] = settings.resolution;
                 image.get_or_insert_with(|| {
                     let pixels = render_plan(&loaded, &*tracer, &plan).image.rgb8();
                     Panel { name: "image".into(), pixels, width }
                 });
-                for (maps, values) in maps.iter_mut().zip([work.tests, work.steps, microseconds]) {
+                for (maps, values) in maps.iter_mut().zip([tests, steps, microseconds]) {
                     maps.push(HeatMap { name: row.label(), values, width });
                 }
             }

@@ -11,8 +11,8 @@ use accel_core::query::tracer::Tracer;
 use accel_core::structures::Entry;
 use renderer::effects::EFFECTS;
 use renderer::{
-    Effect, EffectPlan, Geometry, Image, ImageFormat, RayCounts, RenderSettings, render_plan,
-    render_watched,
+    Effect, EffectPlan, Geometry, Image, ImageFormat, RayCounts, RenderSettings, Whitted,
+    render_plan,
 };
 use scene_loading::Scene;
 
@@ -75,7 +75,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs) -> Result<u8, Error> {
             let table = args.plan.then(|| effect_table(&loaded.scene, &*tracer, &plan));
             progress.message(format!("{name}: rendering {width} x {height} pixels"));
             let row_done = || progress.step(Duration::ZERO);
-            let image = || render_watched(&loaded.scene, &*tracer, &plan, &row_done).image;
+            let image = || Whitted::planned(&loaded.scene, &plan).image(&*tracer, &row_done).image;
             Ok((table, output.is_some().then(image)))
         })
         .map_err(MeasureError::of_build(name));
@@ -258,5 +258,5 @@ pub fn image_of(scene: &Scene, row: &Row<'_>, size: u32) -> Option<Image> {
     let plan = plan_of(scene, &settings).ok()?;
     let geometry = Geometry::<f32>::of(scene).ok()?;
     let tracer = row.entry.build(geometry.prims(), &row.params).ok()?;
-    Some(render_watched(scene, &*tracer, &plan, &|| {}).image)
+    Some(render_plan(scene, &*tracer, &plan).image)
 }

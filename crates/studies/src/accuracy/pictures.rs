@@ -8,7 +8,7 @@ use accel_core::structures::Entry;
 use accel_core::{Hit, Ray};
 use glam::{DVec3, dvec3};
 use renderer::ray_offset::OffsetRule;
-use renderer::{Geometry, Image, RaySettings, render};
+use renderer::{Geometry, Image, RaySettings, Whitted};
 use scene_loading::{Camera, Light, Material, Scene};
 
 use crate::accuracy::axes::voxel_traversal::LatticeRay;
@@ -170,7 +170,9 @@ fn under(registry: &[Entry], scene: &Scene, rules: [OffsetRule; 2]) -> Result<Im
             offset,
             ..RaySettings::default()
         };
-        over(registry, TRACER, scene, |tracer| render(scene, tracer, &settings))
+        over(registry, TRACER, scene, |tracer| {
+            Whitted::new(scene, &settings).image(tracer, &|| ()).image
+        })
     };
     let [cheap, accurate] = rules;
     Ok(beside(&image(cheap)?, &image(accurate)?))
