@@ -16,11 +16,11 @@ use bytemuck::Pod;
 use crate::abi;
 use crate::description::Description;
 use crate::instance::{PluginScalar, Query, Stats};
-use crate::memory_watch::MemoryWatch;
+use crate::memory_watch;
 use crate::shared::{SharedSegment, folder};
 use crate::stopwatch::CallTime;
 use crate::wire::{
-    BuildReply, Launch, Order, Reply, Request, SegmentContent, SharedParts, Stream, receive, send,
+    BuildReply, Launch, Reply, Request, SegmentContent, SharedParts, Stream, receive, send,
 };
 
 /// Time limit for the start of a process.
@@ -126,12 +126,16 @@ impl Remote {
         }
     }
 
+    /// Builds with a value for each setting, in their order, for as many threads as the current
+    /// pool has.
     pub(crate) fn build<S: PluginScalar>(
         &mut self,
         set: &TriangleSet<S>,
-        order: &Order<'_>,
+        values: &[String],
+        most_bytes: Option<u64>,
     ) -> Result<BuildReply, String> {
-        let (triangles, values, threads) = (set.len(), order.values.to_vec(), order.threads);
+        let (triangles, values, threads) =
+            (set.len(), values.to_vec(), rayon::current_num_threads());
         let corners = size_of::<[[S; 3]; 3]>();
         let scene = self.part(SegmentContent::Scene, (corners + 1) * triangles)?;
         let (positions, flags) = scene.split_at_mut(corners * triangles);
@@ -142,16 +146,15 @@ impl Remote {
         let doing = format!("building over {triangles} triangles");
         // beside the structure it has its own copy of the triangles
         let copy = ((corners + COPY_EXTRA) * triangles) as u64;
-        let most = order.most_bytes.map(|most| most.saturating_add(copy));
-        let watch = most.and_then(|most| {
+        let excess = most_bytes.and_then(|most| {
             let stream = self.stream.get_ref().try_clone().ok()?;
-            MemoryWatch::begin(self.process.id(), most, stream)
+            memory_watch::watch(self.process.id(), most.saturating_add(copy), stream)
         });
-        self.is_watched = watch.is_some();
+        self.is_watched = excess.is_some();
         let is_double = size_of::<S>() == size_of::<f64>();
         let reply = self.ask(&Request::Build { triangles, is_double, values, threads }, &doing);
         self.is_watched = false;
-        if let Some(bytes) = watch.and_then(MemoryWatch::excess) {
+        if let Some(bytes) = excess.and_then(|excess| excess()) {
             return Ok(BuildReply::TooLarge(bytes.saturating_sub(copy)));
         }
         match reply? {

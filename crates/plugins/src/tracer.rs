@@ -19,7 +19,7 @@ use crate::library::Library;
 use crate::near_rays::NearRays;
 use crate::remote::Remote;
 use crate::stopwatch::CallTime;
-use crate::wire::{BuildReply, Launch, Order};
+use crate::wire::{BuildReply, Launch};
 
 pub(crate) struct Plugin {
     pub(crate) info: &'static StructureInfo,
@@ -105,10 +105,8 @@ impl<'a, S: PluginScalar> PluginTracer<'a, S> {
             (Host::Here(Box::new(instance)), seconds, stats)
         } else {
             let mut remote = plugin.process(&row).map_err(BuildError::Died)?;
-            let threads = rayon::current_num_threads();
-            let order = Order { values, threads, most_bytes: memory.bytes() };
             let mut ask = || -> Result<(BuildReply, Stats), String> {
-                let built = remote.build(set, &order)?;
+                let built = remote.build(set, values, memory.bytes())?;
                 if !matches!(built, BuildReply::Built(_)) {
                     return Ok((built, Stats::default()));
                 }

@@ -41,14 +41,6 @@ pub(crate) struct Launch {
     pub(crate) options: Options,
 }
 
-pub(crate) struct Order<'a> {
-    /// A value for each setting, in their order.
-    pub(crate) values: &'a [String],
-    /// Threads that build and trace.
-    pub(crate) threads: usize,
-    pub(crate) most_bytes: Option<u64>,
-}
-
 pub(crate) enum BuildReply {
     /// It took so many seconds.
     Built(f64),
@@ -83,6 +75,7 @@ pub(crate) enum Request {
         triangles: usize,
         is_double: bool,
         values: Vec<String>,
+        /// Threads that build and trace.
         threads: usize,
     },
     /// To answer so many rays.
