@@ -6,32 +6,27 @@ use crate::svg_plot::Figure;
 use crate::svg_plot::pen::{
     Font, Format, GREY, GRID, INK, LETTER, MARK, PAPER, PLAIN, Pen, document_of, style_of,
 };
-use crate::svg_plot::plot::{Axis, FittedAxis, Ring, Scale};
+use crate::svg_plot::plot::{FittedAxis, Ring, Scale};
 use statistics::estimate::Estimate;
 
 /// Room below the bars: ticks and labels of the axes.
 const FOOT: f64 = 34.0;
 /// The most that names take of the width, where they stand beside the bars.
 const NAMES: f64 = 400.0;
-/// Times the best value at which a logarithmic axis is cut: a bar beyond it has an arrow.
+/// Times the best value at which the axis is cut: a bar beyond it has an arrow.
 const CUT: f64 = 10.0;
+/// Start of the bars: their values are ratios.
+const BASE: f64 = 1.0;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct BarChart {
     pub title: String,
     /// Below the title, small.
     pub subtitle: String,
-    /// The quantities, at least one.
-    pub columns: Vec<Column>,
+    /// Names of the quantities, at least one.
+    pub columns: Vec<String>,
     /// The bars, from above.
     pub rows: Vec<BarRow>,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub struct Column {
-    pub axis: Axis,
-    /// Start of the bars; the left end if this has no position.
-    pub base: f64,
 }
 
 /// One name and its bars.
@@ -138,33 +133,31 @@ impl Figure for BarChart {
         if format == Format::Wide {
             names(&mut pen);
         }
-        for (i, column) in self.columns.iter().enumerate() {
+        for (i, name) in self.columns.iter().enumerate() {
             let bars = || self.rows.iter().map(move |row| (row.color, row.bars.get(i)));
             let best = bars().find_map(|(_, bar)| match bar {
                 Some(Bar::Of(e, _, Ring::Best)) => Some(e.median),
                 _ => None,
             });
-            let best = best.unwrap_or(column.base);
-            let is_kept = |e: &Estimate| {
-                column.axis.scale != Scale::Log || (best / CUT..=best * CUT).contains(&e.median)
-            };
+            let best = best.unwrap_or(BASE);
+            let is_kept = |e: &Estimate| (best / CUT..=best * CUT).contains(&e.median);
             let values = bars().flat_map(|(_, bar)| match bar {
                 Some(Bar::Of(e, ..)) if is_kept(e) => vec![e.median, e.low, e.high],
                 _ => Vec::new(),
             });
             let from = layout.left + width * i as f64;
             let (left, right) = (from + 6.0, from + width - layout.numbers);
-            let values = values.chain([column.base]);
+            let values = values.chain([BASE]);
             let place = BarPlace {
-                axis: FittedAxis::new(&column.axis.scale, [left, right], values),
+                axis: FittedAxis::new(&Scale::Log, [left, right], values),
                 left,
                 right,
                 top: layout.top - 4.0,
                 bottom,
             };
-            place.frame(&mut pen, column);
+            place.frame(&mut pen, name);
             for (j, (color, bar)) in bars().enumerate() {
-                place.bar(&mut pen, column.base, layout.middle(j), style_of(color).0, bar);
+                place.bar(&mut pen, layout.middle(j), style_of(color).0, bar);
             }
         }
         if format == Format::Narrow {
@@ -184,7 +177,7 @@ struct BarPlace {
 }
 
 impl BarPlace {
-    fn frame(&self, pen: &mut Pen, column: &Column) {
+    fn frame(&self, pen: &mut Pen, name: &str) {
         let top = self.top;
         let mut used = f64::NEG_INFINITY;
         for tick in &self.axis.ticks {
@@ -199,15 +192,15 @@ impl BarPlace {
                 }
             }
         }
-        let base = self.axis.nearest_place(column.base);
+        let base = self.axis.nearest_place(BASE);
         pen.path(&[(base, top), (base, self.bottom + 4.0)], GREY, 1.0, " stroke-dasharray=\"6 4\"");
         let ends = [(self.left, self.bottom), (self.right, self.bottom)];
         pen.path(&ends, INK, 1.0, "");
         let font = Font { is_bold: true, ..PLAIN };
-        pen.text(self.left, self.top - 12.0, font, &column.axis.label);
+        pen.text(self.left, self.top - 12.0, font, name);
     }
 
-    fn bar(&self, pen: &mut Pen, base: f64, y: f64, color: &str, bar: Option<&Bar>) {
+    fn bar(&self, pen: &mut Pen, y: f64, color: &str, bar: Option<&Bar>) {
         let (estimate, number, ring) = match bar {
             None => return,
             Some(Bar::Words(words)) => {
@@ -216,7 +209,7 @@ impl BarPlace {
             }
             Some(Bar::Of(estimate, number, ring)) => (estimate, number, *ring),
         };
-        let (from, to) = (self.axis.nearest_place(base), self.axis.nearest_place(estimate.median));
+        let (from, to) = (self.axis.nearest_place(BASE), self.axis.nearest_place(estimate.median));
         let (x, width) = (from.min(to), (from - to).abs());
         let _ = writeln!(
             pen.out,
@@ -225,7 +218,7 @@ impl BarPlace {
             y - 5.0
         );
         if estimate.median.is_finite() && self.axis.place(estimate.median).is_none() {
-            pen.arrow(to, y, estimate.median < base, color);
+            pen.arrow(to, y, estimate.median < BASE, color);
         } else {
             let (low, high) =
                 (self.axis.nearest_place(estimate.low), self.axis.nearest_place(estimate.high));
@@ -245,7 +238,7 @@ impl BarPlace {
 mod tests {
     use super::*;
 
-    fn sample(scale: Scale, values: &[f64]) -> BarChart {
+    fn sample(values: &[f64]) -> BarChart {
         let bar = |&x: &f64| BarRow {
             name: format!("<{x}>"),
             color: 0,
@@ -258,18 +251,17 @@ mod tests {
                 Bar::Words("wrong".into()),
             ],
         };
-        let column = Column { axis: Axis { label: "a & b".into(), scale }, base: 1.0 };
         BarChart {
             title: "<t>".into(),
             subtitle: String::new(),
-            columns: vec![column.clone(), column],
+            columns: vec!["a & b".into(); 2],
             rows: values.iter().map(bar).collect(),
         }
     }
 
     #[test]
     fn bars_are_as_long_as_their_values_and_texts_are_escaped() {
-        let svg = sample(Scale::Log, &[1.0, 2.0, 4.0, 100.0]).svg(Format::Wide);
+        let svg = sample(&[1.0, 2.0, 4.0, 100.0]).svg(Format::Wide);
         let tree = roxmltree::Document::parse(&svg).expect("well-formed XML");
         let bars = tree.descendants().filter(|n| n.attribute("height") == Some("10"));
         let widths: Vec<f64> =
@@ -288,13 +280,11 @@ mod tests {
 
     #[test]
     fn odd_numbers_and_nothing_at_all_can_be_drawn() {
-        for scale in [Scale::Log, Scale::FromZero, Scale::Linear] {
-            for values in [&[f64::NAN, f64::INFINITY, -1.0, 0.0][..], &[]] {
-                for format in [Format::Wide, Format::Narrow] {
-                    let svg = sample(scale.clone(), values).svg(format);
-                    assert!(roxmltree::Document::parse(&svg).is_ok());
-                    assert!(!svg.contains("\"NaN") && !svg.contains("\"inf"), "{svg}");
-                }
+        for values in [&[f64::NAN, f64::INFINITY, -1.0, 0.0][..], &[]] {
+            for format in [Format::Wide, Format::Narrow] {
+                let svg = sample(values).svg(format);
+                assert!(roxmltree::Document::parse(&svg).is_ok());
+                assert!(!svg.contains("\"NaN") && !svg.contains("\"inf"), "{svg}");
             }
         }
     }

@@ -4,7 +4,7 @@ use measurement::record::{
     AnsweredRays, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict, reference,
 };
 use presentation::numbers::short;
-use presentation::svg_plot::bars::{Bar, BarChart, BarRow, Column};
+use presentation::svg_plot::bars::{Bar, BarChart, BarRow};
 use presentation::svg_plot::{Axis, Mark, Plot, Point, Ring, Scale, Series};
 use statistics::estimate::Estimate;
 use studies::run::costs::Profile;
@@ -75,7 +75,7 @@ fn bars(title: String, mut rows: Vec<Ratios>) -> BarChart {
             "medians with 95% intervals; shorter to the left is faster; ringed: the fastest with right \
              answers, dashed: its interval overlaps; arrow: beyond 10 times the best"
                 .to_owned(),
-        columns: vec![column("trace time, ratio"), column("build time, ratio")],
+        columns: ["trace time, ratio", "build time, ratio"].map(str::to_owned).into(),
         rows: rows
             .iter()
             .map(|row| BarRow {
@@ -93,11 +93,6 @@ fn bars(title: String, mut rows: Vec<Ratios>) -> BarChart {
             })
             .collect(),
     }
-}
-
-/// A logarithmic axis of ratios.
-pub fn column(label: &str) -> Column {
-    Column { axis: Axis { label: label.to_owned(), scale: Scale::Log }, base: 1.0 }
 }
 
 fn is_comparable(row: &Ratios) -> bool {

@@ -215,7 +215,7 @@ fn chart(scene: &str, rows: &[&RowRecord], of: &[Option<&SceneRecord>]) -> BarCh
     BarChart {
         title: format!("{scene}: trace time over the reference's, run by run"),
         subtitle: format!("medians with 95% intervals; the {DRAWN} fastest rows of the first run"),
-        columns: vec![plots::column("trace time, ratio")],
+        columns: vec!["trace time, ratio".to_owned()],
         rows: drawn.collect(),
     }
 }
