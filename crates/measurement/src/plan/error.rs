@@ -49,3 +49,20 @@ impl PlanError {
         Self::UnknownName { what, name: name.to_owned(), hint, valid: valid.join(", ") }
     }
 }
+
+/// What is asked for by name, each once and in the order of `all`; all when nothing is.
+///
+/// # Errors
+/// [`PlanError::UnknownName`] for the first name that nothing has.
+pub fn chosen<T: Clone>(
+    what: &'static str,
+    asked: &[String],
+    all: &[T],
+    name: impl Fn(&T) -> &str,
+) -> Result<Vec<T>, PlanError> {
+    if let Some(asked) = asked.iter().find(|asked| all.iter().all(|item| name(item) != **asked)) {
+        return Err(PlanError::unknown(what, asked, all.iter().map(&name)));
+    }
+    let is_asked = |item: &&T| asked.is_empty() || asked.iter().any(|asked| asked == name(item));
+    Ok(all.iter().filter(is_asked).cloned().collect())
+}

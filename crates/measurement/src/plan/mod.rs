@@ -17,7 +17,7 @@ use accel_core::memory::MemoryLimit;
 use accel_core::occluders;
 use accel_core::structures::Entry;
 
-use crate::plan::error::PlanError;
+use crate::plan::error::{PlanError, chosen};
 use crate::plan::measured_row::MeasuredRow;
 use crate::plan::rows::Row;
 use crate::plan::strides::FixedStrides;
@@ -220,7 +220,7 @@ impl<'r> Plan<'r> {
         registry: &'r [Entry],
     ) -> Result<Self, PlanError> {
         refuse_same_names(&scenes)?;
-        let kinds = kinds(&args.rays)?;
+        let kinds = chosen("kind of ray", &args.rays, &RayKind::ALL, |kind| kind.name())?;
         within("threads", args.threads.into(), MeasuringSettings::MOST_THREADS.into())?;
         within("rounds", args.rounds.unwrap_or(1).into(), MeasuringSettings::MOST_ROUNDS.into())?;
         time_within("pass-limit", args.pass_limit)?;
@@ -370,15 +370,4 @@ fn answers<'r>(registry: &'r [Entry]) -> Result<Vec<Row<'r>>, PlanError> {
     let mut rows = entries.into_iter().map(Row::defaults).collect::<Result<Vec<_>, _>>()?;
     rows.sort_by_key(|row| row.known_defect().is_some());
     Ok(rows)
-}
-
-fn kinds(names: &[String]) -> Result<Vec<RayKind>, PlanError> {
-    let mut kinds = Vec::new();
-    for name in names {
-        let kind = RayKind::ALL.iter().find(|k| k.name() == name);
-        let unknown = || PlanError::unknown("kind of ray", name, RayKind::ALL.map(|k| k.name()));
-        kinds.push(*kind.ok_or_else(unknown)?);
-    }
-    // In the order of the tables, without duplicates.
-    Ok(RayKind::ALL.into_iter().filter(|k| names.is_empty() || kinds.contains(k)).collect())
 }

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use crate::args::{Format, ListArgs, ListSubject};
 use crate::context::Context;
 use crate::error::{Error, SUCCESS};
-use measurement::plan::error::PlanError;
+use measurement::plan::error::chosen;
 use measurement::scenes::{SceneSet, titles};
 use presentation::json;
 use presentation::text::Screen;
@@ -60,7 +60,8 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<u8, Error> {
             ("axis", all.collect())
         }
     };
-    let value = named(value, singular, &args.names)?;
+    let value =
+        chosen(singular, &args.names, &value, |item| item["name"].as_str().unwrap_or_default())?;
     let is_asked = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
     let screen = context.plain_screen();
     let out = &mut *context.out;
@@ -85,20 +86,6 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<u8, Error> {
         },
     }
     Ok(SUCCESS)
-}
-
-/// Items requested by name; all without names.
-fn named(
-    mut items: Vec<Value>,
-    singular: &'static str,
-    names: &[String],
-) -> Result<Vec<Value>, PlanError> {
-    let all: Vec<String> = items.iter().map(|item| text(item, "name")).collect();
-    if let Some(name) = names.iter().find(|name| !all.contains(name)) {
-        return Err(PlanError::unknown(singular, name, all.iter().map(String::as_str)));
-    }
-    items.retain(|item| names.is_empty() || names.contains(&text(item, "name")));
-    Ok(items)
 }
 
 fn text(item: &Value, key: &str) -> String {

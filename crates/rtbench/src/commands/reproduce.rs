@@ -5,7 +5,7 @@ use crate::commands::measuring::{exit_code, measure_scenes};
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
 use measurement::plan::Plan;
-use measurement::plan::error::PlanError;
+use measurement::plan::error::chosen;
 use measurement::plan::rows::Row;
 use measurement::record::{RunRecord, Verdict as RowVerdict};
 use measurement::settings::MeasuringSettings;
@@ -35,24 +35,11 @@ pub fn run(context: &mut Context<'_>, publication: &Publication) -> Result<u8, E
 pub const HAVRAN: &str = "havran1999.csv";
 pub const ZACHMANN: &str = "zachmann2007.csv";
 
-/// The names asked for, in the publication's order; all when none is.
-fn chosen<'v>(
-    what: &'static str,
-    asked: &[String],
-    valid: &[&'v str],
-) -> Result<Vec<&'v str>, PlanError> {
-    if let Some(name) = asked.iter().find(|name| !valid.contains(&name.as_str())) {
-        return Err(PlanError::unknown(what, name, valid.iter().copied()));
-    }
-    let is_asked = |v: &&str| asked.is_empty() || asked.iter().any(|name| name == v);
-    Ok(valid.iter().copied().filter(is_asked).collect())
-}
-
 /// Reproduces scene after scene, prints the table of a scene as soon as it is done, and the
 /// sums; with `--strict` an unexplained difference is a failure.
 fn havran(context: &mut Context<'_>, args: &HavranArgs) -> Result<u8, Error> {
-    let scenes = chosen("scene of the publication", &args.scenes, &SCENES)?;
-    let structures = chosen("published structure", &args.structures, &structures())?;
+    let scenes = chosen("scene of the publication", &args.scenes, &SCENES, |name| name)?;
+    let structures = chosen("published structure", &args.structures, &structures(), |name| name)?;
     let _created = context.created_folder(args.output.as_ref(), &[HAVRAN])?;
     let figures = figures().map_err(ReproduceError::from)?;
     let mut rows = Vec::new();
@@ -100,7 +87,7 @@ fn sums(rows: &[ReproducedRow]) -> String {
 
 /// Measures the lecture's structures, prints one table per scene and all verdicts at the end.
 fn zachmann(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error> {
-    let scenes = chosen("scene of the lecture", &args.scenes, &lecture::SCENES)?;
+    let scenes = chosen("scene of the lecture", &args.scenes, &lecture::SCENES, |name| name)?;
     let plan = plan(context, args.measuring.settings(), &scenes)?;
     let published = published().map_err(ReproduceError::from)?;
     let rows = |run: &RunRecord| {

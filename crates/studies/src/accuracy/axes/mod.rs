@@ -16,7 +16,7 @@ mod triangle_aims;
 pub mod voxel_traversal;
 
 use crate::accuracy::axis::Axis;
-use measurement::plan::error::PlanError;
+use measurement::plan::error::{PlanError, chosen};
 
 /// Every axis: one line each.
 pub static AXES: &[&Axis] = &[
@@ -41,11 +41,7 @@ pub static AXES: &[&Axis] = &[
 
 /// The axes of these names, each once; all when there are none.
 pub fn select(names: &[String]) -> Result<Vec<&'static Axis>, PlanError> {
-    if let Some(name) = names.iter().find(|name| AXES.iter().all(|axis| axis.name != *name)) {
-        return Err(PlanError::unknown("axis", name, AXES.iter().map(|axis| axis.name)));
-    }
-    let is_asked = |axis: &&&Axis| names.is_empty() || names.iter().any(|n| n == axis.name);
-    Ok(AXES.iter().filter(is_asked).copied().collect())
+    chosen("axis", names, AXES, |axis| axis.name)
 }
 
 #[cfg(test)]
