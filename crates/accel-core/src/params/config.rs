@@ -6,7 +6,6 @@
 use std::ops::Deref;
 
 use super::Params;
-use crate::grid::resolution::ResolutionRule;
 use crate::memory::{Limits, MemoryLimit, OutOfMemory};
 
 /// The settings of a structure, typed; [`config!`](crate::config) writes them with their
@@ -20,23 +19,6 @@ pub trait Config: Clone + Send + Sync + 'static {
 impl Config for () {
     fn of(_: &Params) {}
 }
-
-/// A value that a parameter can be read as; a mistake of its kind panics as [`Params::real`] does.
-pub trait Value {
-    /// Reads the value of a parameter.
-    fn of(params: &Params, name: &str) -> Self;
-}
-
-macro_rules! value {
-    ($($type:ty: $read:ident),*) => {$(
-        impl Value for $type {
-            fn of(params: &Params, name: &str) -> Self {
-                params.$read(name) as Self
-            }
-        }
-    )*};
-}
-value!(f64: real, f32: real, u64: integer, u32: integer, usize: integer, ResolutionRule: resolution);
 
 /// Input of a build: the settings of the structure, and its limits.
 #[derive(Debug, Clone)]
@@ -146,7 +128,7 @@ macro_rules! config {
         }
     };
     (@read $params:ident, $spec:expr) => {
-        $crate::params::config::Value::of($params, { const NAME: &str = $spec.name; NAME })
+        $params.parsed({ const NAME: &str = $spec.name; NAME })
     };
     (@read $params:ident, $spec:expr, $read:expr) => {{
         const NAME: &str = $spec.name;

@@ -245,7 +245,8 @@ impl Params {
         self.parsed(name)
     }
 
-    fn parsed<T: std::str::FromStr>(&self, name: &str) -> T {
+    /// A value, read from its text. Panics as [`Params::real`].
+    pub fn parsed<T: std::str::FromStr>(&self, name: &str) -> T {
         let text = self.text(name);
         text.parse().unwrap_or_else(|_| {
             panic!("structure {} declared {name} as another kind: {text}", self.structure())
