@@ -2,15 +2,20 @@
 //! [`LatticeRayState`](super::course::LatticeRayState) axis by axis, with a ray in each lane, to
 //! the same bits.
 
+use std::ops::ControlFlow;
+
 use wide::{i32x8, u32x8};
 
 use crate::geometry::aabb::exit_factor;
 use crate::geometry::lanes::{Eight, Lanes};
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::{EightOf, Scalar};
-use crate::query::side_by_side::{EIGHTS, RAYS};
+use crate::query::batch::{PlainStructure, Traverse};
+use crate::query::side_by_side::{EIGHTS, LaneTraversal, RAYS};
+use crate::query::sink::Sink;
+use crate::structures::irregular_grid::IrregularGrid;
 use crate::structures::irregular_grid::course::LatticeFrame;
-use crate::structures::irregular_grid::voxels::{Records, Voxels};
+use crate::structures::irregular_grid::voxels::Records;
 
 /// Eight rays in lattice cells and where they are, by axis and lane; kept as numbers, of which
 /// single lanes are replaced.
@@ -29,13 +34,28 @@ struct EightCourses<S> {
 pub struct StartStates<S> {
     courses: EightCourses<S>,
     /// A bit for each that meets the lattice.
-    pub(super) meeting: u32,
+    meeting: u32,
 }
 
-impl<S: Scalar> StartStates<S> {
-    /// States of rays, each as [`LatticeRayState::of`](super::course::LatticeRayState::of) has it.
+/// Rays side by side, and where they are.
+pub struct Courses<S: Scalar> {
+    eights: [EightCourses<S>; EIGHTS],
+    /// Records of the undivided voxels that the rays are in.
+    records: [Records; EIGHTS],
+}
+
+/// Takes each ray of a batch the way that [`LatticeRayState`](super::course::LatticeRayState) takes.
+impl<S: Scalar> LaneTraversal<S> for IrregularGrid<S> {
+    type Eight = StartStates<S>;
+    type State = Courses<S>;
+
     #[inline(always)]
-    pub(super) fn of(rays: &RayLanes<S>, place: &LatticeFrame<S>) -> Self {
+    fn alone(&self) -> impl Traverse<S> {
+        PlainStructure(self)
+    }
+
+    #[inline(always)]
+    fn prepare(&self, rays: &RayLanes<S>) -> StartStates<S> {
         let (splat, vector) = (EightOf::<S>::splat, EightOf::<S>::new);
         let (zero, infinity) = (splat(S::ZERO), splat(S::INFINITY));
         let padding = splat(exit_factor());
@@ -43,7 +63,7 @@ impl<S: Scalar> StartStates<S> {
         let (mut start, mut end) = (zero - infinity, infinity);
         let mut meeting = zero.at_most(zero);
         for axis in 0..3 {
-            let [low, per_length, size] = place.along(axis).map(splat);
+            let [low, per_length, size] = self.place.along(axis).map(splat);
             let origin = (vector(rays.origin[axis]) - low) * per_length;
             let direction = vector(rays.direction[axis]) * per_length;
             let inverse = splat(S::ONE) / direction;
@@ -62,29 +82,25 @@ impl<S: Scalar> StartStates<S> {
         for axis in 0..3 {
             let origin = vector(courses.origin[axis]);
             let entry = origin + vector(courses.direction[axis]) * start;
-            courses.at[axis] = bytemuck::cast(place.within_along(axis, entry));
+            courses.at[axis] = bytemuck::cast(self.place.within_along(axis, entry));
             let rests = infinity.at_most(vector(courses.inverse[axis]));
             courses.origin[axis] = splat(S::ZERO - S::ONE).where_set(rests, origin).to_array();
         }
-        Self { courses, meeting: meeting.high_bits() }
-    }
-}
-
-/// Rays side by side, and where they are.
-pub struct Courses<S: Scalar> {
-    eights: [EightCourses<S>; EIGHTS],
-    /// Records of the undivided voxels that the rays are in.
-    records: [Records; EIGHTS],
-}
-
-impl<S: Scalar> Courses<S> {
-    pub(super) fn idle() -> Self {
-        Self { eights: [EightCourses::idle(); EIGHTS], records: [Records::NOTHING; EIGHTS] }
+        StartStates { courses, meeting: meeting.high_bits() }
     }
 
     #[inline(always)]
-    pub(super) fn begin(&mut self, lane: usize, beginnings: &StartStates<S>, ray: usize) {
-        let (to, from) = (&mut self.eights[lane / LANES], &beginnings.courses);
+    fn meeting(eight: &StartStates<S>) -> u32 {
+        eight.meeting
+    }
+
+    fn idle() -> Courses<S> {
+        Courses { eights: [EightCourses::idle(); EIGHTS], records: [Records::NOTHING; EIGHTS] }
+    }
+
+    #[inline(always)]
+    fn begin(&self, state: &mut Courses<S>, lane: usize, eight: &StartStates<S>, ray: usize) {
+        let (to, from) = (&mut state.eights[lane / LANES], &eight.courses);
         let lane = lane % LANES;
         for axis in 0..3 {
             to.origin[axis][lane] = from.origin[axis][ray];
@@ -95,27 +111,34 @@ impl<S: Scalar> Courses<S> {
         }
     }
 
-    /// Looks up the undivided parts that they have come to; the numbers of their lists.
     #[inline(always)]
-    pub(super) fn arrive(&mut self, voxels: &Voxels) -> [u32; RAYS] {
+    fn arrive(&self, state: &mut Courses<S>) -> [u32; RAYS] {
         let mut lists = [0; RAYS];
-        let pairs = self.eights.as_chunks::<2>().0.iter().zip(self.records.as_chunks_mut().0);
+        let pairs = state.eights.as_chunks::<2>().0.iter().zip(state.records.as_chunks_mut().0);
         for ((eights, records), lists) in pairs.zip(lists.as_chunks_mut().0) {
-            *records = voxels.at_sixteen(&[eights[0].points(), eights[1].points()]);
+            *records = self.voxels.at_sixteen(&[eights[0].points(), eights[1].points()]);
             *lists =
                 bytemuck::cast::<_, [u32; 2 * LANES]>([records[0].words(), records[1].words()]);
         }
         lists
     }
 
-    /// Goes on to where they leave these; a bit for each that does not, as it leaves the lattice or
-    /// comes to its end.
     #[inline(always)]
-    pub(super) fn leave(&mut self, t_max: &[S; RAYS], place: &LatticeFrame<S>) -> u32 {
+    fn prefetch(&self, list: u32) {
+        self.lists.prefetch(list);
+    }
+
+    #[inline(always)]
+    fn test<K: Sink<S>>(&self, list: u32, sink: &mut K) -> ControlFlow<()> {
+        self.lists.test(list, sink)
+    }
+
+    #[inline(always)]
+    fn leave(&self, state: &mut Courses<S>, t_max: &[S; RAYS]) -> u32 {
         let mut over = 0;
         let ends = t_max.as_chunks::<LANES>().0;
-        for (number, (eight, records)) in self.eights.iter_mut().zip(&self.records).enumerate() {
-            let ended = eight.leave(records, EightOf::<S>::new(ends[number]), place);
+        for (number, (eight, records)) in state.eights.iter_mut().zip(&state.records).enumerate() {
+            let ended = eight.leave(records, EightOf::<S>::new(ends[number]), &self.place);
             over |= ended << (number * LANES);
         }
         over
@@ -183,8 +206,8 @@ mod tests {
     use crate::params::config::Settings;
     use crate::primitives::{TriangleSet, Watertight};
     use crate::structure::Structure;
+    use crate::structures::irregular_grid::INFO;
     use crate::structures::irregular_grid::course::LatticeRayState;
-    use crate::structures::irregular_grid::{INFO, IrregularGrid};
     use crate::structures::test_scenes::Random;
 
     /// The lists of a ray that goes alone.
@@ -218,8 +241,8 @@ mod tests {
         for round in 0..400 {
             let rays: [Ray<S>; LANES] = rays_at_unit_cube(&mut random, round);
             let expected = rays.each_ref().map(|ray| alone(&grid, ray));
-            let beginnings = StartStates::of(&RayLanes::of(&rays), &grid.place);
-            let mut courses = Courses::idle();
+            let beginnings = grid.prepare(&RayLanes::of(&rays));
+            let mut courses = IrregularGrid::idle();
             // among other lanes, which go on for ever
             let lanes = [round, round + 9, round + 18, round + 27];
             let lanes: Vec<usize> = (0..LANES).map(|i| (lanes[i % 4] + i / 4) % RAYS).collect();
@@ -230,20 +253,20 @@ mod tests {
                 assert_eq!(meets, !expected[i].is_empty());
                 missed += u32::from(!meets);
                 if meets {
-                    courses.begin(lane, &beginnings, i);
+                    grid.begin(&mut courses, lane, &beginnings, i);
                     going |= 1 << lane;
                 }
             }
             let mut t_max = [S::ZERO; RAYS];
             lanes.iter().zip(&rays).for_each(|(&lane, ray)| t_max[lane] = ray.t_max);
             while going != 0 {
-                let lists = courses.arrive(&grid.voxels);
+                let lists = grid.arrive(&mut courses);
                 for (i, &lane) in lanes.iter().enumerate() {
                     if going >> lane & 1 == 1 {
                         found[i].push(lists[lane]);
                     }
                 }
-                going &= !courses.leave(&t_max, &grid.place);
+                going &= !grid.leave(&mut courses, &t_max);
             }
             assert_eq!(found, expected, "{rays:?}");
             steps += found.iter().map(Vec::len).sum::<usize>();

@@ -30,11 +30,8 @@ mod shown;
 mod subdivide;
 mod voxels;
 
-use std::ops::ControlFlow;
-
 use crate::config;
 use crate::geometry::ray::Ray;
-use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::scalar::Scalar;
 use crate::grid::copies::{MOST_REFERENCES_A_COPY, are_copies};
 use crate::grid::resolution::resolve_by_density;
@@ -42,20 +39,19 @@ use crate::historical::bounds_rule::BoundsRule;
 use crate::params::ParamSpec;
 use crate::params::{config, specs};
 use crate::primitives::{PrimSet, Primitives};
-use crate::query::batch::{self, PlainStructure, Traverse};
+use crate::query::batch;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{Counters, NoCounters};
 use crate::query::kernel::ListBlocks;
 use crate::query::lists::Lists;
 use crate::query::mailbox;
-use crate::query::side_by_side::{LaneDriver, LaneTraversal, RAYS};
+use crate::query::side_by_side::LaneDriver;
 use crate::query::sink::Sink;
 use crate::structure::{
     Batches, BuildError, RayBatch, Structure, StructureInfo, StructureStats, bounds_of,
 };
 use cells::FIRST_PART;
 use course::{LatticeFrame, LatticeRayState};
-use course_lanes::{Courses, StartStates};
 use lattice::Lattice;
 use place::Placement;
 use subdivide::{Settings, subdivide};
@@ -231,54 +227,5 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
         self.show(each);
         Ok(())
-    }
-}
-
-impl<S: Scalar> LaneTraversal<S> for IrregularGrid<S> {
-    type Eight = StartStates<S>;
-    type State = Courses<S>;
-
-    #[inline(always)]
-    fn alone(&self) -> impl Traverse<S> {
-        PlainStructure(self)
-    }
-
-    #[inline(always)]
-    fn prepare(&self, rays: &RayLanes<S>) -> StartStates<S> {
-        StartStates::of(rays, &self.place)
-    }
-
-    #[inline(always)]
-    fn meeting(eight: &StartStates<S>) -> u32 {
-        eight.meeting
-    }
-
-    fn idle() -> Courses<S> {
-        Courses::idle()
-    }
-
-    #[inline(always)]
-    fn begin(&self, state: &mut Courses<S>, lane: usize, eight: &StartStates<S>, ray: usize) {
-        state.begin(lane, eight, ray);
-    }
-
-    #[inline(always)]
-    fn arrive(&self, state: &mut Courses<S>) -> [u32; RAYS] {
-        state.arrive(&self.voxels)
-    }
-
-    #[inline(always)]
-    fn prefetch(&self, list: u32) {
-        self.lists.prefetch(list);
-    }
-
-    #[inline(always)]
-    fn test<K: Sink<S>>(&self, list: u32, sink: &mut K) -> ControlFlow<()> {
-        self.lists.test(list, sink)
-    }
-
-    #[inline(always)]
-    fn leave(&self, state: &mut Courses<S>, t_max: &[S; RAYS]) -> u32 {
-        state.leave(t_max, &self.place)
     }
 }
