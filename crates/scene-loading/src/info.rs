@@ -9,75 +9,41 @@ use crate::error::FilePlace;
 use crate::polygon::{area_vector, is_flat};
 use crate::scene::{Bounds, Primitive, Scene, Shape, Warning};
 
-/// Counts and sizes of a scene.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SceneInfo {
-    pub primitives: usize,
-    pub spheres: usize,
-    /// Cones and cylinders among them.
-    pub cones: usize,
-    pub polygons: usize,
-    /// Flat triangles among them.
-    pub triangles: usize,
-    /// Triangles with normals among them.
-    pub patches: usize,
-    pub vertices: usize,
-    pub normals: usize,
-    pub materials: usize,
-    pub lights: usize,
+/// Counts and sizes of a scene; its text has those that the scene itself knows, too.
+#[derive(Debug, Clone)]
+pub struct SceneInfo<'a> {
+    scene: &'a Scene,
+    /// Primitives of each kind, by its name.
+    pub kinds: [(&'static str, usize); 5],
     /// Objects that the source places several times.
     pub objects: usize,
     pub instances: usize,
     /// Bounds of all primitives, in the coordinates of the file.
     pub bounds: Bounds,
-    /// The scene's origin in the coordinates of the file.
-    pub origin: DVec3,
-    /// Bytes that the scene's arrays take in memory.
-    pub bytes: usize,
 }
 
-impl SceneInfo {
+impl<'a> SceneInfo<'a> {
     /// Counts what the scene holds. Primitives with invalid indices are counted but add nothing
     /// to the bounds.
-    pub fn of(scene: &Scene) -> Self {
+    pub fn of(scene: &'a Scene) -> Self {
         let mut placed: BTreeMap<u32, usize> = BTreeMap::new();
         for instance in &scene.instances {
             *placed.entry(instance.object).or_default() += 1;
         }
         placed.retain(|_, instances| *instances > 1);
-        let mut info = Self {
-            primitives: scene.primitives.len(),
-            spheres: 0,
-            cones: 0,
-            polygons: 0,
-            triangles: 0,
-            patches: 0,
-            vertices: scene.vertices.len(),
-            normals: scene.normals.len(),
-            materials: scene.materials.len(),
-            lights: scene.lights.len(),
-            objects: placed.len(),
-            instances: placed.values().sum(),
-            bounds: Bounds::EMPTY,
-            origin: scene.origin,
-            bytes: size_of_val(scene.lights.as_slice())
-                + size_of_val(scene.materials.as_slice())
-                + scene.materials.iter().map(|m| m.name.len()).sum::<usize>()
-                + size_of_val(scene.vertices.as_slice())
-                + size_of_val(scene.normals.as_slice())
-                + size_of_val(scene.spheres.as_slice())
-                + size_of_val(scene.cones.as_slice())
-                + size_of_val(scene.primitives.as_slice())
-                + size_of_val(scene.velocities.as_slice()),
-        };
+        let (objects, instances) = (placed.len(), placed.values().sum());
+        let kinds = ["spheres", "cones", "polygons", "triangles", "patches"].map(|kind| (kind, 0));
+        let mut info = Self { scene, kinds, objects, instances, bounds: Bounds::EMPTY };
         for primitive in &scene.primitives {
-            match primitive.shape {
-                Shape::Sphere(_) => info.spheres += 1,
-                Shape::Cone(_) => info.cones += 1,
-                Shape::Polygon { .. } => info.polygons += 1,
-                Shape::Triangle { .. } => info.triangles += 1,
-                Shape::Patch { .. } => info.patches += 1,
-            }
+            let [spheres, cones, polygons, triangles, patches] = &mut info.kinds;
+            let (_, count) = match primitive.shape {
+                Shape::Sphere(_) => spheres,
+                Shape::Cone(_) => cones,
+                Shape::Polygon { .. } => polygons,
+                Shape::Triangle { .. } => triangles,
+                Shape::Patch { .. } => patches,
+            };
+            *count += 1;
             if indices_are_valid(scene, primitive.shape) {
                 let bounds = scene.shape_bounds(primitive.shape);
                 info.bounds.include(scene.to_file_coordinates(bounds.min));
@@ -88,35 +54,37 @@ impl SceneInfo {
     }
 }
 
-impl fmt::Display for SceneInfo {
+impl fmt::Display for SceneInfo<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "primitives  {}", self.primitives)?;
-        for (name, count) in [
-            ("spheres", self.spheres),
-            ("cones", self.cones),
-            ("polygons", self.polygons),
-            ("triangles", self.triangles),
-            ("patches", self.patches),
-        ] {
-            if count > 0 {
-                writeln!(f, "  {name:<10}{count}")?;
-            }
+        let scene = self.scene;
+        writeln!(f, "primitives  {}", scene.primitives.len())?;
+        for (name, count) in self.kinds.iter().filter(|(_, count)| *count > 0) {
+            writeln!(f, "  {name:<10}{count}")?;
         }
-        writeln!(f, "vertices    {}", self.vertices)?;
-        writeln!(f, "normals     {}", self.normals)?;
-        writeln!(f, "materials   {}", self.materials)?;
-        writeln!(f, "lights      {}", self.lights)?;
+        writeln!(f, "vertices    {}", scene.vertices.len())?;
+        writeln!(f, "normals     {}", scene.normals.len())?;
+        writeln!(f, "materials   {}", scene.materials.len())?;
+        writeln!(f, "lights      {}", scene.lights.len())?;
         if self.objects > 0 {
             writeln!(f, "instances   {} of {} objects", self.instances, self.objects)?;
         }
         if !self.bounds.is_empty() {
             writeln!(f, "bounds      {} to {}", self.bounds.min, self.bounds.max)?;
         }
-        if self.origin != DVec3::ZERO {
-            let shift = DVec3::ZERO - self.origin;
+        if scene.origin != DVec3::ZERO {
+            let shift = DVec3::ZERO - scene.origin;
             writeln!(f, "shift       by {shift}: coordinates are computed from there")?;
         }
-        write!(f, "memory      {:.1} MiB", self.bytes as f64 / (1 << 20) as f64)
+        let bytes = size_of_val(scene.lights.as_slice())
+            + size_of_val(scene.materials.as_slice())
+            + scene.materials.iter().map(|m| m.name.len()).sum::<usize>()
+            + size_of_val(scene.vertices.as_slice())
+            + size_of_val(scene.normals.as_slice())
+            + size_of_val(scene.spheres.as_slice())
+            + size_of_val(scene.cones.as_slice())
+            + size_of_val(scene.primitives.as_slice())
+            + size_of_val(scene.velocities.as_slice());
+        write!(f, "memory      {:.1} MiB", bytes as f64 / (1 << 20) as f64)
     }
 }
 
