@@ -52,27 +52,9 @@ pub(crate) enum TextureError {
     Malformed(String),
 }
 
-/// An image in memory.
-#[derive(Debug, Clone)]
-struct DecodedImage {
-    size: [u32; 2],
-    texels: Arc<[[u8; 3]]>,
-}
-
-/// Identity of an image of a scene.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub(crate) enum ImageKey {
-    /// A file, by its real path.
-    File(PathBuf),
-    /// A part of the scene's own file, by its name.
-    Part(String),
-}
-
-impl ImageKey {
-    /// Identity of a file, however its path is spelled.
-    pub fn of_file(path: &Path) -> Self {
-        Self::File(path.canonicalize().unwrap_or_else(|_| path.to_path_buf()))
-    }
+/// Identity of a file, however its path is spelled.
+pub(crate) fn file_key(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
 }
 
 /// Decodes the images of one scene. Each is read and decoded once, or found not to be one.
@@ -81,10 +63,10 @@ pub(crate) struct TextureReader {
     left: u64,
     /// Bytes that may still be read.
     left_to_read: u64,
-    /// Images, and why others are none.
-    decoded: HashMap<ImageKey, Result<DecodedImage, Rc<TextureError>>>,
+    /// Images, still without names, and why others are none.
+    decoded: HashMap<PathBuf, Result<Texture, Rc<TextureError>>>,
     /// Textures of the scene.
-    added: HashMap<(ImageKey, [Wrap; 2]), u32>,
+    added: HashMap<(PathBuf, [Wrap; 2]), u32>,
 }
 
 impl Default for TextureReader {
@@ -94,15 +76,16 @@ impl Default for TextureReader {
 }
 
 impl TextureReader {
-    /// Adds an image and returns its index. Its bytes, of which no more than a number are taken,
-    /// are asked for once.
+    /// Adds an image and returns its index. Its key is [`file_key`], or for a part of the scene's
+    /// own file what no path is. Its bytes, of which no more than a number are taken, are asked
+    /// for once.
     ///
     /// # Errors
     /// [`TextureError`]; the scene is as before then.
     pub fn add(
         &mut self,
         scene: &mut Scene,
-        key: ImageKey,
+        key: PathBuf,
         name: &str,
         wrap: [Wrap; 2],
         bytes: impl FnOnce(u64) -> Result<Vec<u8>, TextureError>,
@@ -119,19 +102,18 @@ impl TextureReader {
                 self.decoded.insert(key.0.clone(), found.clone());
                 found
             }
-        };
-        let DecodedImage { size, texels } = decoded?;
+        }?;
         if scene.textures.len() >= MAX_TEXTURES {
             return Err(Rc::new(TextureError::TooMany));
         }
         let index = scene.textures.len() as u32;
-        scene.textures.push(Texture { name: name.to_owned(), size, wrap, texels });
+        scene.textures.push(Texture { name: name.to_owned(), wrap, ..decoded });
         self.added.insert(key, index);
         Ok(index)
     }
 
     /// The header first, then the budget, then the texels.
-    fn decode(&mut self, bytes: &[u8]) -> Result<DecodedImage, TextureError> {
+    fn decode(&mut self, bytes: &[u8]) -> Result<Texture, TextureError> {
         self.left_to_read = self.left_to_read.saturating_sub(bytes.len() as u64);
         if !matches!(image::guess_format(bytes), Ok(ImageFormat::Png)) {
             return Err(TextureError::Format);
@@ -153,7 +135,8 @@ impl TextureReader {
         if texels.is_empty() {
             return Err(TextureError::Malformed("no texels".into()));
         }
-        Ok(DecodedImage { size: [width, height], texels })
+        let (name, wrap) = (String::new(), [Wrap::Repeat; 2]);
+        Ok(Texture { name, size: [width, height], wrap, texels })
     }
 }
 
@@ -204,7 +187,7 @@ mod tests {
         let mut scene = Scene::new("a");
         let mut add = |name: &str, wrap| {
             reader
-                .add(&mut scene, ImageKey::Part(name.into()), name, [wrap; 2], |_| Ok(png(8, 8)))
+                .add(&mut scene, name.into(), name, [wrap; 2], |_| Ok(png(8, 8)))
                 .map_err(|e| e.to_string())
         };
         assert_eq!(add("a", Wrap::Repeat), Ok(0));
@@ -281,8 +264,8 @@ mod tests {
                 asked += 1;
                 Ok(b"no image".to_vec())
             };
-            let key = ImageKey::Part("a".into());
-            let failed = reader.add(&mut scene, key, "a", [Wrap::Repeat; 2], bytes).unwrap_err();
+            let failed =
+                reader.add(&mut scene, "a".into(), "a", [Wrap::Repeat; 2], bytes).unwrap_err();
             assert!(matches!(*failed, TextureError::Format));
         }
         assert_eq!((asked, scene.textures.len()), (1, 0));

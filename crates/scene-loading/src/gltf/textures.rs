@@ -12,7 +12,7 @@ use std::rc::Rc;
 use ::gltf::texture::{Info, WrappingMode};
 
 use crate::gltf::container::OpenedFile;
-use crate::images::{ImageKey, TextureError, TextureReader, warning};
+use crate::images::{TextureError, TextureReader, file_key, warning};
 use crate::input::read_at_most;
 use crate::limits::MAX_WARNINGS;
 use crate::scene::{Scene, Wrap};
@@ -99,10 +99,12 @@ impl<'a> Textures<'a> {
         let uri = json.and_then(|json| json.uri.as_deref());
         if let Some(uri) = uri.filter(|uri| !uri.starts_with("data:")) {
             let path = buffers.file_of(name, uri).map_err(|e| Rc::new(e.into()))?;
-            let key = ImageKey::of_file(&path);
+            let key = file_key(&path);
             return self.reader.add(scene, key, name, wrap, |most| Ok(read_at_most(&path, most)?));
         }
-        self.reader.add(scene, ImageKey::Part(name.to_owned()), name, wrap, |most| {
+        // no path that a URI gives has a file name like this: those with a colon are refused
+        let key = format!("data:{name}").into();
+        self.reader.add(scene, key, name, wrap, |most| {
             if let Some(uri) = uri {
                 return Ok(buffers.read_uri(name, uri)?);
             }

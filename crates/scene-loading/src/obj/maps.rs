@@ -8,7 +8,7 @@ use std::path::Path;
 use std::rc::Rc;
 
 use crate::error::shortened;
-use crate::images::{ImageKey, TextureError, TextureReader, warning};
+use crate::images::{TextureError, TextureReader, file_key, warning};
 use crate::input::{confined, read_at_most};
 use crate::limits::MAX_WARNINGS;
 use crate::obj::material::ColorMap;
@@ -67,7 +67,7 @@ fn read_one(
     let path = confined(map.place.file.parent().unwrap_or(Path::new("")), &name)
         .ok_or_else(|| Rc::new(TextureError::OutsideFolder))?;
     let name = path.display().to_string();
-    let key = ImageKey::of_file(&path);
+    let key = file_key(&path);
     let texture =
         reader.add(scene, key, &name, [wrap; 2], |most| Ok(read_at_most(&path, most)?))?;
     Ok((texture, placement))
