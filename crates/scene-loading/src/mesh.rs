@@ -12,7 +12,7 @@ use crate::input::scene_name;
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::polygon::ear_clipping::{triangulate, triangulate_bent};
 use crate::polygon::{Outline, area_vector};
-use crate::scene::{Material, Primitive, Scene, Shape, index};
+use crate::scene::{Material, Scene, index};
 
 /// Coordinates above this cannot be worked with: their cubes must stay finite.
 pub(crate) const MAX_COORDINATE: f64 = 1e100;
@@ -131,12 +131,9 @@ impl Mesh {
 
     fn push(&self, corners: [u32; 3], scene: &mut Scene) {
         let v = corners.map(|i| self.first.saturating_add(i));
-        let shape = match self.normals.filter(|&first| !self.has_bad_normal(corners, first, scene))
-        {
-            Some(first) => Shape::Patch { v, n: corners.map(|i| first.saturating_add(i)) },
-            None => Shape::Triangle { v },
-        };
-        scene.primitives.push(Primitive { shape, material: self.material });
+        let first_n = self.normals.filter(|&first| !self.has_bad_normal(corners, first, scene));
+        let n = first_n.map(|first| corners.map(|i| first.saturating_add(i)));
+        scene.push_corners(self.material, v, n);
     }
 
     fn has_bad_normal(&self, corners: [u32; 3], first: u32, scene: &Scene) -> bool {

@@ -12,7 +12,7 @@ use glam::DVec3;
 use serde::Deserialize;
 
 pub use crate::polygon::ear_clipping::{SelfCrossing, triangulate};
-use crate::scene::{Cone, Primitive, Scene, Shape, Sphere};
+use crate::scene::{Cone, Scene, Shape, Sphere};
 
 /// How finely curved primitives become triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -102,7 +102,7 @@ pub fn tessellate(
                 let pieces = triangulate(outline)
                     .map_err(|source| TessellationError::Entangled { primitive: id, source })?;
                 for piece in pieces {
-                    push(&mut out, material, piece.map(|i| first + i));
+                    out.push_corners(material, piece.map(|i| first + i), None);
                 }
             }
             Shape::Triangle { .. } | Shape::Patch { .. } => out.primitives.push(primitive),
@@ -143,10 +143,6 @@ fn check_size(scene: &Scene, n: u32) -> Result<[u64; 2], TessellationError> {
     Ok([triangles, vertices])
 }
 
-fn push(out: &mut Scene, material: u32, v: [u32; 3]) {
-    out.primitives.push(Primitive { shape: Shape::Triangle { v }, material });
-}
-
 fn push_cone(out: &mut Scene, material: u32, n: u32, cone: Cone) {
     let Some(axis) = (cone.apex - cone.base).try_normalize() else { return };
     let (x, y) = axis.any_orthonormal_pair();
@@ -172,7 +168,7 @@ fn push_cone(out: &mut Scene, material: u32, n: u32, cone: Cone) {
             (high == high_next, [low, high_next, high]),
         ] {
             if !degenerate {
-                push(out, material, if inward { [a, c, b] } else { [a, b, c] });
+                out.push_corners(material, if inward { [a, c, b] } else { [a, b, c] }, None);
             }
         }
     }

@@ -9,7 +9,7 @@ use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::Mesh;
 use crate::nff::cone;
 use crate::polygon::area_vector;
-use crate::scene::{Primitive, Shape, index};
+use crate::scene::index;
 use crate::words::{Word, Words};
 
 /// The most corners of a polygon.
@@ -125,11 +125,8 @@ impl Reader {
                 continue;
             }
             let v = v.map(|i| first.saturating_add(i));
-            let shape = match n {
-                Some(n) => Shape::Patch { v, n: n.map(|i| first_n.saturating_add(i)) },
-                None => Shape::Triangle { v },
-            };
-            self.world.rest.primitives.push(Primitive { shape, material });
+            let n = n.map(|n| n.map(|i| first_n.saturating_add(i)));
+            self.world.rest.push_corners(material, v, n);
         }
         self.world.rest.vertices.extend(vertices);
         self.world.rest.normals.extend(normals);

@@ -12,7 +12,7 @@ use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::cofactor;
 use crate::polygon::area_vector;
 use crate::progress;
-use crate::scene::{Material, Primitive, Shape, Texcoords};
+use crate::scene::{Material, Texcoords};
 
 /// The most instances of `EXT_mesh_gpu_instancing` of a scene.
 const MAX_INSTANCES: usize = 16 << 20;
@@ -351,11 +351,8 @@ impl NodeWalker<'_> {
         let usable = |n: &[u32; 3]| {
             n.iter().all(|&i| scene.normals.get(i as usize).is_some_and(|n| *n != DVec3::ZERO))
         };
-        let shape = match n.filter(usable) {
-            Some(n) => Shape::Patch { v, n },
-            None => Shape::Triangle { v },
-        };
-        scene.primitives.push(Primitive { shape, material });
+        let n = n.filter(usable);
+        scene.push_corners(material, v, n);
         if let Some(texcoords) = texcoords {
             scene.last_is_textured(texcoords);
         }

@@ -5,12 +5,12 @@
 //!
 //! Vertices and normals are numbered anew from each change of material on, in the order of their
 //! use, so that what no face uses is not in the scene.
-//! Faces keep their order. A triangle becomes a [`Shape::Triangle`], or a [`Shape::Patch`] when
-//! all its corners have normals. A larger face becomes a [`Shape::Polygon`]; it is split into
-//! triangles instead when it has normals, when it is not flat, or when
-//! [`ObjOptions::triangulate`] asks for it. Faces without area, lines, points and free-form
-//! curves are left out, each with a warning that counts them. Texture coordinates are kept where a
-//! material has a texture (`textures`); such faces are split into triangles, too.
+//! Faces keep their order. A triangle stays one, or becomes a patch when all its corners have
+//! normals. A larger face becomes a polygon; it is split into triangles instead when it has
+//! normals, when it is not flat, or when [`ObjOptions::triangulate`] asks for it. Faces without
+//! area, lines, points and free-form curves are left out, each with a warning that counts them.
+//! Texture coordinates are kept where a material has a texture (`textures`); such faces are split
+//! into triangles, too.
 //!
 //! Geometry alone is needed: damaged normals, texture coordinates and materials make faces flat or
 //! plain, and a face is left out only where one of its own corners is NaN; all with warnings.
@@ -35,7 +35,7 @@ use crate::obj::libraries::Materials;
 use crate::obj::maps::{are_known, texcoords_of};
 use crate::obj::material::parse_mtl;
 use crate::obj::scan::scan;
-use crate::scene::{Material, Primitive, Scene, Shape};
+use crate::scene::{Material, Scene};
 
 /// How faces become primitives.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -206,12 +206,8 @@ impl Builder<'_> {
                 [Some(a), Some(b), Some(c)] => Some([a, b, c]),
                 _ => None,
             };
-            let shape = match (pick(own), pick(own_n)) {
-                (Some(v), Some(n)) => Shape::Patch { v, n },
-                (Some(v), None) => Shape::Triangle { v },
-                (None, _) => return,
-            };
-            scene.primitives.push(Primitive { shape, material });
+            let Some(v) = pick(own) else { return };
+            scene.push_corners(material, v, pick(own_n));
             let placement = materials.placements.get(&material);
             if is_placed
                 && let Some(uv) = texcoords_of(piece, texcoords, &scan.texcoords, placement)

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::parts::{Y_UP, matte, stage, view};
-use crate::scene::{Primitive, Scene, Shape};
+use crate::scene::Scene;
 
 /// Radius of the ball that the lobes stand on.
 const BODY: f64 = 0.085;
@@ -62,7 +62,7 @@ pub(super) fn push_hare(scene: &mut Scene, material: u32, size: u32, middle: DVe
             if sx * sy * sz < 0 {
                 v.swap(1, 2);
             }
-            scene.primitives.push(Primitive { shape: Shape::Triangle { v }, material });
+            scene.push_corners(material, v, None);
         }
     }
 }

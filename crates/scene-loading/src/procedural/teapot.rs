@@ -14,7 +14,7 @@ use glam::{DMat4, DVec3, DVec4};
 
 use self::Symmetry::{Mirror, Turns, TurnsBack};
 use super::parts::{Z_UP, glossy, stage, view};
-use crate::scene::{Primitive, Scene, Shape};
+use crate::scene::Scene;
 
 /// The cubic Bézier basis in power form.
 const BEZIER: DMat4 = DMat4::from_cols(
@@ -77,8 +77,7 @@ fn push_patch(scene: &mut Scene, material: u32, size: u32, form: &PowerForm) {
             for corners in [[here, here + 1, across + 1], [across + 1, across, here]] {
                 let v = corners.map(|i| first_v + i);
                 if v.iter().filter(|&&i| is_on_axis(scene.vertices[i as usize])).count() < 2 {
-                    let shape = Shape::Patch { v, n: corners.map(|i| first_n + i) };
-                    scene.primitives.push(Primitive { shape, material });
+                    scene.push_corners(material, v, Some(corners.map(|i| first_n + i)));
                 }
             }
         }

@@ -229,6 +229,12 @@ impl Scene {
         }));
     }
 
+    /// Adds a triangle by the indices of its vertices; with those of normals it is a patch.
+    pub(crate) fn push_corners(&mut self, material: u32, v: [u32; 3], n: Option<[u32; 3]>) {
+        let shape = n.map_or(Shape::Triangle { v }, |n| Shape::Patch { v, n });
+        self.primitives.push(Primitive { shape, material });
+    }
+
     /// Adds a triangular patch (vertices with normals) with its own copies of both.
     pub fn push_patch(&mut self, material: u32, vertices: [DVec3; 3], normals: [DVec3; 3]) {
         let first = index(self.vertices.len());
@@ -236,8 +242,7 @@ impl Scene {
         self.vertices.extend_from_slice(&vertices);
         self.normals.extend_from_slice(&normals);
         let [v, n] = [first, first_n].map(|first| [first, first + 1, first + 2]);
-        let shape = Shape::Patch { v, n };
-        self.primitives.push(Primitive { shape, material });
+        self.push_corners(material, v, Some(n));
     }
 
     /// The vertices of a polygon, triangle or patch; empty for other shapes. What is not there

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use glam::{DAffine3, DVec3};
 
 use crate::procedural::hare::face;
-use crate::scene::{Instance, Material, Primitive, Scene, Shape};
+use crate::scene::{Instance, Material, Scene};
 
 /// A scene without primitives, and the parts that it will have.
 pub(super) struct Stage {
@@ -66,15 +66,10 @@ fn push(scene: &mut Scene, [object, material]: [u32; 2], mesh: &Mesh, placement:
     let [first_v, first_n] = [scene.vertices.len(), scene.normals.len()].map(|n| n as u32);
     scene.vertices.extend(mesh.vertices.iter().map(|&v| placement.transform_point3(v)));
     scene.normals.extend(mesh.normals.iter().map(|&n| placement.transform_vector3(n)));
-    let shape = |t: &[u32; 3]| {
-        let v = t.map(|i| first_v + i);
-        if mesh.normals.is_empty() {
-            Shape::Triangle { v }
-        } else {
-            Shape::Patch { v, n: t.map(|i| first_n + i) }
-        }
-    };
-    scene.primitives.extend(mesh.triangles.iter().map(|t| Primitive { shape: shape(t), material }));
+    for triangle in &mesh.triangles {
+        let n = (!mesh.normals.is_empty()).then(|| triangle.map(|i| first_n + i));
+        scene.push_corners(material, triangle.map(|i| first_v + i), n);
+    }
     let count = mesh.triangles.len() as u32;
     scene.instances.push(Instance { object, first, count, placement });
 }
