@@ -23,51 +23,62 @@ pub(super) enum Encoding {
     BigEndian,
 }
 
-/// A scalar type, by either of its names.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Scalar {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    I64,
-    U64,
-    F32,
-    F64,
+/// Makes [`Scalar`] of its variants: each with the type that has its numbers, and its names.
+macro_rules! scalars {
+    ($($variant:ident($type:ty): $($name:literal)|+,)*) => {
+        /// A scalar type, by either of its names.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub(super) enum Scalar {
+            $($variant),*
+        }
+
+        impl Scalar {
+            fn named(name: &str) -> Option<Self> {
+                match name {
+                    $($($name)|+ => Some(Self::$variant),)*
+                    _ => None,
+                }
+            }
+
+            /// Bytes in a binary file.
+            pub fn size(self) -> usize {
+                match self {
+                    $(Self::$variant => size_of::<$type>(),)*
+                }
+            }
+
+            /// The number that bytes of a binary file begin with, if there are enough.
+            pub fn read(self, bytes: &[u8], is_little: bool) -> Option<f64> {
+                match self {
+                    $(Self::$variant => {
+                        let bytes = *bytes.first_chunk()?;
+                        let little = <$type>::from_le_bytes(bytes);
+                        let value = if is_little { little } else { <$type>::from_be_bytes(bytes) };
+                        Some(value as f64)
+                    })*
+                }
+            }
+        }
+    };
+}
+
+scalars! {
+    I8(i8): "char" | "int8",
+    U8(u8): "uchar" | "uint8",
+    I16(i16): "short" | "int16",
+    U16(u16): "ushort" | "uint16",
+    I32(i32): "int" | "int32",
+    U32(u32): "uint" | "uint32",
+    // numpy's default; not in the format
+    I64(i64): "int64",
+    U64(u64): "uint64",
+    F32(f32): "float" | "float32",
+    F64(f64): "double" | "float64",
 }
 
 impl Scalar {
     const NAMES: &str = "one of char, uchar, short, ushort, int, uint, float, double (or int8, uint8, \
                          int16, uint16, int32, uint32, int64, uint64, float32, float64)";
-
-    fn named(name: &str) -> Option<Self> {
-        Some(match name {
-            "char" | "int8" => Self::I8,
-            "uchar" | "uint8" => Self::U8,
-            "short" | "int16" => Self::I16,
-            "ushort" | "uint16" => Self::U16,
-            "int" | "int32" => Self::I32,
-            "uint" | "uint32" => Self::U32,
-            // numpy's default; not in the format
-            "int64" => Self::I64,
-            "uint64" => Self::U64,
-            "float" | "float32" => Self::F32,
-            "double" | "float64" => Self::F64,
-            _ => return None,
-        })
-    }
-
-    /// Bytes in a binary file.
-    pub fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::I64 | Self::U64 | Self::F64 => 8,
-        }
-    }
 
     pub fn is_integer(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)

@@ -30,13 +30,6 @@ pub(super) struct Binary<'a> {
 }
 
 impl Binary<'_> {
-    fn take<const N: usize>(&mut self, what: &str) -> Result<[u8; N], LoadError> {
-        let taken = self.bytes.get(self.at..).and_then(|rest| rest.first_chunk::<N>());
-        let Some(&taken) = taken else { return Err(self.ended(what)) };
-        self.at += N;
-        Ok(taken)
-    }
-
     fn ended(&self, what: &str) -> LoadError {
         LoadError::unexpected_end(FilePlace::byte(self.path, self.at), what)
     }
@@ -44,30 +37,11 @@ impl Binary<'_> {
 
 impl Values for Binary<'_> {
     fn next(&mut self, scalar: Scalar, what: &str) -> Result<f64, LoadError> {
-        let little = self.encoding == Encoding::LittleEndian;
-        macro_rules! read {
-            ($type:ty) => {{
-                let bytes = self.take(what)?;
-                let value = if little {
-                    <$type>::from_le_bytes(bytes)
-                } else {
-                    <$type>::from_be_bytes(bytes)
-                };
-                value as f64
-            }};
-        }
-        Ok(match scalar {
-            Scalar::I8 => read!(i8),
-            Scalar::U8 => read!(u8),
-            Scalar::I16 => read!(i16),
-            Scalar::U16 => read!(u16),
-            Scalar::I32 => read!(i32),
-            Scalar::U32 => read!(u32),
-            Scalar::I64 => read!(i64),
-            Scalar::U64 => read!(u64),
-            Scalar::F32 => read!(f32),
-            Scalar::F64 => read!(f64),
-        })
+        let rest = self.bytes.get(self.at..).unwrap_or_default();
+        let is_little = self.encoding == Encoding::LittleEndian;
+        let value = scalar.read(rest, is_little).ok_or_else(|| self.ended(what))?;
+        self.at += scalar.size();
+        Ok(value)
     }
 
     fn skip(&mut self, scalar: Scalar, count: u64, what: &str) -> Result<(), LoadError> {
