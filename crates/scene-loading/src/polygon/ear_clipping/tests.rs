@@ -41,7 +41,12 @@ fn check(flat: &[[f64; 2]], triangles: usize) {
 #[test]
 fn squares_and_arrows() {
     check(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], 2);
-    check(&[[0.0, 0.0], [2.0, 0.0], [0.5, 0.5], [0.0, 2.0]], 2);
+    // From any of its corners; a fan from some of them covers 3.6 instead of 0.4.
+    let mut arrow = [[0.0, 0.0], [2.0, 0.0], [0.2, 0.2], [0.0, 2.0]];
+    for _ in 0..4 {
+        check(&arrow, 2);
+        arrow.rotate_left(1);
+    }
     check(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]], 4);
 }
 
