@@ -86,7 +86,7 @@ impl<S, L: Link<S>> Cells<S, L> {
         let first = self.links.len();
         self.links[cell] = L::inner(&cut, self.cuts.len() as u32);
         self.cuts.push(L::record(cut));
-        self.links.resize(first + L::CHILDREN, L::leaf(0));
+        self.links.extend(std::iter::repeat_n(L::leaf(0), L::CHILDREN));
         first
     }
 
