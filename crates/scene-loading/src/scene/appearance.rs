@@ -84,13 +84,23 @@ impl Light {
     }
 }
 
+/// A number, refused where it is not as `expected` says.
+pub(crate) fn checked<'de, D: Deserializer<'de>>(
+    from: D,
+    is_valid: fn(f64) -> bool,
+    expected: &str,
+) -> Result<f64, D::Error> {
+    let x = f64::deserialize(from)?;
+    if is_valid(x) {
+        Ok(x)
+    } else {
+        Err(D::Error::custom(format!("found {x}, expected {expected}")))
+    }
+}
+
 /// A length or a time.
 pub(crate) fn at_least_0<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
-    let x = f64::deserialize(from)?;
-    if x >= 0.0 {
-        return Ok(x);
-    }
-    Err(D::Error::custom(format!("found {x}, expected a number of at least 0")))
+    checked(from, |x| x >= 0.0, "a number of at least 0")
 }
 
 fn vector<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {

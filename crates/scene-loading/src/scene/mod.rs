@@ -9,7 +9,7 @@ pub(crate) mod origin;
 use glam::{DAffine3, DMat4, DVec3};
 
 pub use crate::scene::appearance::{Camera, Light, Material, Rgb, SampleWishes, Texture, Wrap};
-pub(crate) use crate::scene::appearance::{NO_HIGHLIGHT, at_least_0};
+pub(crate) use crate::scene::appearance::{NO_HIGHLIGHT, at_least_0, checked};
 
 /// Texture coordinates of the three corners of a triangle.
 pub type Texcoords = [[f32; 2]; 3];

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::error::{FilePlace, LoadError};
-use crate::scene::Scene;
-use serde::de::{Deserialize, Deserializer, Error};
+use crate::scene::{Scene, checked};
+use serde::de::Deserializer;
 
 /// Parses JSON; errors carry file, line and column.
 pub(crate) fn from_json<T: serde::de::DeserializeOwned>(
@@ -51,19 +51,6 @@ pub(crate) fn unknown_material(
     let more = if scene.materials.len() > MAX_NAMES { ", ..." } else { "" };
     let expected = format!("{expected}: {}{more}", names.join(", "));
     LoadError::syntax(FilePlace::file(path), name, expected)
-}
-
-fn checked<'de, D: Deserializer<'de>>(
-    from: D,
-    is_valid: fn(f64) -> bool,
-    expected: &str,
-) -> Result<f64, D::Error> {
-    let x = f64::deserialize(from)?;
-    if is_valid(x) {
-        Ok(x)
-    } else {
-        Err(D::Error::custom(format!("found {x}, expected {expected}")))
-    }
 }
 
 /// A length that may be missing but not 0.
