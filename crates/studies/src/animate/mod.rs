@@ -64,11 +64,8 @@ impl<'r> Animate<'r> {
         if measuring.rays.is_empty() {
             measuring.rays = RAYS.map(str::to_owned).into();
         }
-        let rows = if structures.is_empty() {
-            select(registry, &all_updates(registry), &[])?
-        } else {
-            select(registry, structures, &[])?
-        };
+        let structures = if structures.is_empty() { &all_updates(registry) } else { structures };
+        let rows = select(registry, structures, &[])?;
         let mut plan = Plan::over(Vec::new(), rows, 0, &measuring, registry)?;
         plan.limits.oracle_tests = plan.limits.oracle_tests.min(ORACLE_TESTS);
         let mut threads = vec![1, plan.threads];

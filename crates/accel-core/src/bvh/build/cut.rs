@@ -135,8 +135,9 @@ impl Side {
     }
 }
 
-/// Triangles of a block.
+/// Triangles of a block, a power of two.
 const BLOCK: i32 = TriangleBlock::<f32>::LANES as i32;
+const _: () = assert!(BLOCK.count_ones() == 1);
 
 /// A cut between two bins.
 pub(super) struct BinSplit {
