@@ -174,9 +174,8 @@ fn a_larger_time_budget_makes_more_rounds() {
     assert_eq!(ended.code, 0, "{}", ended.err);
     let rounds = row(&folder.record(), "obvhs-cwbvh").samples.len();
     assert!((50..1000).contains(&rounds), "{rounds}");
-    let ended = run_stepping(
-        &format!("{arguments} --quick --overwrite -o {}", folder.path()).replace("1s", "1ms"),
-    );
+    let arguments = arguments.replace("1s", "1ms");
+    let ended = run_stepping(&format!("{arguments} --quick --overwrite -o {}", folder.path()));
     assert_eq!(ended.code, 0, "{}", ended.err);
     assert_eq!(row(&folder.record(), "obvhs-cwbvh").samples.len(), 3, "the least there is");
 }
