@@ -48,9 +48,6 @@ pub(crate) fn ranges(n: usize, parts: usize) -> Vec<Range<usize>> {
 
 /// Maps `0..n` by `f` in parallel, keeping the order.
 pub(crate) fn collect<T: Copy + Send>(n: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    if parts(n) == 1 {
-        return (0..n).map(f).collect();
-    }
     collect_in_parts(n, &|first, part| {
         part.iter_mut().zip(first..).for_each(|(slot, i)| _ = slot.write(f(i)));
     })

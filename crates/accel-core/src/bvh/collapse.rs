@@ -255,13 +255,13 @@ impl CollapsePlanner<'_> {
 #[inline(always)]
 fn joined(lower: &Subtree, upper: &Subtree, area: f32, costs: Costs) -> (Subtree, Choice) {
     let primitives = lower.primitives + upper.primitives;
-    // so many roots of the lower child's: the others are the upper one's, so many lanes further on
-    let mut shifted = [f32::INFINITY; 2 * WIDTH];
-    shifted[WIDTH..].copy_from_slice(&upper.cost);
+    // so many roots of the lower child's: the others are the upper one's, so many lanes further on,
+    // which is a shuffle (eight lanes read at once that were just written one by one are waited for)
     let (mut best, mut sides) = (f32x8::splat(f32::INFINITY), f32x8::splat(0.0));
     for of_lower in 1..WIDTH {
-        let mut lanes = [0.0; WIDTH];
-        lanes.copy_from_slice(&shifted[WIDTH - of_lower..][..WIDTH]);
+        let lanes = std::array::from_fn(|i| {
+            if i < of_lower { f32::INFINITY } else { upper.cost[i - of_lower] }
+        });
         let cost = f32x8::splat(lower.cost[of_lower - 1]) + f32x8::new(lanes);
         let is_less = cost.below(best);
         best = cost.where_set(is_less, best);

@@ -26,7 +26,7 @@ struct Binning {
 impl Binning {
     fn of(centres: &Bounds, bins: usize) -> Self {
         let [low, negated] = centres.corners();
-        let extent = (-negated - low).to_array();
+        let extent = ((-negated - low) & XYZ).to_array();
         // the last bin ends a little behind the last centre; no bins are on an axis along which all
         // are alike
         let scale = |extent: f32| if extent > 1e-30 { bins as f32 * 0.9999 / extent } else { 0.0 };
@@ -42,8 +42,8 @@ impl Binning {
     }
 }
 
-/// All ones for the axes. What else is there may be a subnormal number, slow to multiply on some
-/// processors.
+/// All ones for the axes. What else is there may be a subnormal number, slow to multiply and to divide
+/// by on some processors.
 const XYZ: f32x4 =
     f32x4::new([f32::from_bits(u32::MAX), f32::from_bits(u32::MAX), f32::from_bits(u32::MAX), 0.0]);
 

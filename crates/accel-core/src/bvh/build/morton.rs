@@ -249,7 +249,7 @@ fn within(
         let room = sets.iter().map(|set| set.items.len()).sum::<usize>() / 2;
         let (mut nodes, mut bins) = (Nodes::with_root(room), Bins::NONE);
         let root = |set: Set<'_>| {
-            let place = set.node;
+            let place = set.node as usize;
             Set { node: 0, ..set }.build(&mut nodes, &mut bins, sizes);
             (place, nodes.all[0])
         };

@@ -76,7 +76,7 @@ pub(super) struct Set<'a> {
     pub(super) around: SetBounds,
     pub(super) level: u32,
     /// The place of the node.
-    pub(super) node: usize,
+    pub(super) node: u32,
 }
 
 impl Set<'_> {
@@ -105,7 +105,7 @@ impl Set<'_> {
         let Some(sides) = root.divided(&mut nodes, sizes, &mut bins) else {
             return ForkedTree { piece: nodes, below: Vec::new() };
         };
-        let places = [0, 1].map(|k| sides[k].node);
+        let places = [0, 1].map(|k| sides[k].node as usize);
         let [a, b] = sides;
         let (a, b) = rayon::join(|| a.forked(sizes, forks - 1), || b.forked(sizes, forks - 1));
         ForkedTree { piece: nodes, below: vec![(places[0], a), (places[1], b)] }
@@ -113,11 +113,15 @@ impl Set<'_> {
 
     /// Makes the node and all below it.
     pub(super) fn build(self, nodes: &mut Nodes, bins: &mut Bins, sizes: Sizes) {
-        let mut waiting = vec![self];
-        while let Some(set) = waiting.pop() {
-            if let Some([a, b]) = set.divided(nodes, sizes, bins) {
-                waiting.extend([b, a]);
-            }
+        let (mut next, mut waiting) = (Some(self), Vec::new());
+        while let Some(set) = next {
+            next = match set.divided(nodes, sizes, bins) {
+                Some([lower, upper]) => {
+                    waiting.push(upper);
+                    Some(lower)
+                }
+                None => waiting.pop(),
+            };
         }
     }
 
@@ -125,16 +129,17 @@ impl Set<'_> {
     #[inline(always)]
     fn divided(self, nodes: &mut Nodes, sizes: Sizes, bins: &mut Bins) -> Option<[Self; 2]> {
         let Self { items, first, around, level, node } = self;
-        let (bounds, n, pair) = (around.items.aabb(), items.len(), nodes.all.len());
+        let (bounds, n, pair) = (around.items.aabb(), items.len(), nodes.all.len() as u32);
         if n <= sizes.few {
             if sizes.is_parallel {
                 items.sort_unstable_by_key(Item::number);
             }
-            nodes.all[node] = Bvh2Node::new(bounds, n as u32, first as u32);
+            nodes.all[node as usize] = Bvh2Node::new(bounds, n as u32, first as u32);
             return None;
         }
-        nodes.all[node] = Bvh2Node::new(bounds, 0, pair as u32);
-        nodes.all.extend([nodes.all[node]; 2]);
+        let inner = Bvh2Node::new(bounds, 0, pair);
+        nodes.all[node as usize] = inner;
+        nodes.all.extend([inner; 2]);
         let cut = match level {
             ..=MOST_CUTS => BinSplit::of(items, &around.centres, bins),
             _ => None,
@@ -153,7 +158,7 @@ impl Set<'_> {
             Set { items: upper_items, first: first + middle, around: upper, level, node: pair + 1 },
         ];
         let many = sides.iter().filter(|set| set.items.len() > sizes.upper_above);
-        nodes.upper.extend(many.map(|set| (set.node as u32, set.items.len() as u32)));
+        nodes.upper.extend(many.map(|set| (set.node, set.items.len() as u32)));
         Some(sides)
     }
 }
