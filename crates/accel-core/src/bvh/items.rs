@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb as ObvhsAabb;
+use wide::{f32x4, f64x4, i32x4};
 
 use crate::bvh::node::RaySetup;
 use crate::geometry::aabb::Aabb;
@@ -143,13 +144,13 @@ impl<S: Scalar> BoxScale<S> {
         // obvhs tests boxes in f32 whatever the scalar is, so f64 boxes need the padding of f32
         let epsilon = f64::from(f32::EPSILON);
         let margins = match self.padding {
-            Padding::Rounding => DVec3::ZERO,
-            Padding::OfScene => DVec3::splat(epsilon * PADDING_ULPS * self.magnitude),
+            Padding::Rounding => f64x4::splat(0.0),
+            Padding::OfScene => f64x4::splat(epsilon * PADDING_ULPS * self.magnitude),
             Padding::OfExtent { along, largest } => {
-                (extents * along + extents.max_element() * largest) * epsilon
+                (axes(extents.to_array()) * along + extents.max_element() * largest) * epsilon
             }
         };
-        outward(part, margins.to_array(), self.setup.unit())
+        outward(part, margins, self.setup.unit())
     }
 
     /// The box around some primitives.
@@ -163,28 +164,34 @@ impl<S: Scalar> BoxScale<S> {
 /// Grown by a margin on each axis, in f32 and in the unit given (its reciprocal in world units),
 /// rounded outwards.
 #[inline(always)]
-pub(crate) fn outward<S: Scalar>(b: &Aabb<S>, margins: [f64; 3], unit: f64) -> ObvhsAabb {
-    let (min, max) = (b.min.to_array(), b.max.to_array());
-    let low = |k: usize| {
-        let exact = (min[k].to_f64() - margins[k]) * unit;
-        let y = exact as f32;
-        moved(y, -i32::from(f64::from(y) > exact))
+pub(crate) fn outward<S: Scalar>(b: &Aabb<S>, margins: f64x4, unit: f64) -> ObvhsAabb {
+    let [min, max] = [b.min, b.max].map(|corner| axes(corner.to_array().map(S::to_f64)));
+    let low = rounded_down((min - margins) * unit);
+    let negated_high = rounded_down(-(max + margins) * unit);
+    let corner = |lanes: f32x4| {
+        let [x, y, z, _] = lanes.to_array();
+        Vec3A::new(x, y, z)
     };
-    let high = |k: usize| {
-        let exact = (max[k].to_f64() + margins[k]) * unit;
-        let y = exact as f32;
-        moved(y, i32::from(f64::from(y) < exact))
-    };
-    ObvhsAabb::new(Vec3A::new(low(0), low(1), low(2)), Vec3A::new(high(0), high(1), high(2)))
+    ObvhsAabb::new(corner(low), -corner(negated_high))
 }
 
-/// The number so many places further on in the order of all finite ones, in which -0 is before 0.
-/// Without branches, as nobody can guess which way a number was rounded.
+/// Lanes of the three axes; nothing is in the fourth.
 #[inline(always)]
-fn moved(x: f32, places: i32) -> f32 {
+fn axes([x, y, z]: [f64; 3]) -> f64x4 {
+    f64x4::new([x, y, z, 0.0])
+}
+
+/// The largest numbers that are no larger; -0 is before 0. Without branches, as nobody can guess which
+/// way a number was rounded.
+#[inline(always)]
+fn rounded_down(exact: f64x4) -> f32x4 {
+    let nearest = f32x4::new(exact.to_array().map(|x| x as f32));
+    let is_above = f64x4::new(nearest.to_array().map(f64::from)).simd_gt(exact);
+    // -1 where the next lower one is wanted
+    let places = i32x4::new(is_above.to_array().map(|mask| mask.to_bits() as i32));
     // of negative numbers the larger ones have the smaller bits
-    let order = |bits: i32| bits ^ ((bits >> 31) as u32 >> 1) as i32;
-    f32::from_bits(order(order(x.to_bits() as i32) + places) as u32)
+    let in_order = |bits: i32x4| bits ^ ((bits >> 31) & i32x4::splat(i32::MAX));
+    bytemuck::cast(in_order(in_order(bytemuck::cast(nearest)) + places))
 }
 
 fn centre_key(b: &ObvhsAabb) -> [u32; 3] {
@@ -230,22 +237,25 @@ mod tests {
 
     #[test]
     fn numbers_are_rounded_outwards() {
+        let around = |exact: f64| {
+            let point = Aabb { min: DVec3::splat(exact), max: DVec3::splat(exact) };
+            outward::<f64>(&point, f64x4::splat(0.0), 1.0)
+        };
         for x in [0.0, 1e-45, 1e-40, 1.0, 1.5, 3e7, 1e30, 1.0 - f32::EPSILON / 2.0] {
             for x in [x, -x] {
-                // a zero moves away from the other one
-                let (down, up) = (moved(x, -1), moved(x, 1));
-                let is_zero = |y: f32| y == 0.0;
-                assert!(down == x.next_down() || is_zero(x) && is_zero(down), "{x}");
-                assert!(up == x.next_up() || is_zero(x) && is_zero(up), "{x}");
-                assert_eq!(moved(x, 0).to_bits(), x.to_bits());
+                let next = x.next_up();
+                for part in [0.0, 0.25, 0.5, 0.75] {
+                    let exact = f64::from(x) + part * (f64::from(next) - f64::from(x));
+                    let high = if part == 0.0 { x } else { next };
+                    let around = around(exact);
+                    assert_eq!([around.min, around.max], [x, high].map(Vec3A::splat), "{exact}");
+                }
             }
         }
         // what is rounded to a zero has its sign
         for exact in [1e-60, 0.1, 16_777_217.0, 1e-46, 123.456] {
             for exact in [exact, -exact] {
-                let point =
-                    Aabb::<f64> { min: glam::DVec3::splat(exact), max: glam::DVec3::splat(exact) };
-                let around = outward(&point, [0.0; 3], 1.0);
+                let around = around(exact);
                 let [low, high] = [around.min, around.max].map(|p| f64::from(p.x));
                 assert!(low <= exact && exact <= high, "{exact} {low} {high}");
                 assert!(around.min.x.next_up() >= around.max.x, "{exact}");

@@ -15,6 +15,7 @@ use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
 
 use glam::Vec3A;
+use wide::f64x4;
 
 use crate::bvh::build::agglomerated::agglomerated;
 use crate::bvh::items::outward;
@@ -223,7 +224,7 @@ pub(crate) fn tree<S: Scalar>(
 
 /// A box in f32, rounded outwards.
 pub(crate) fn rounded<S: Scalar>(b: &crate::Aabb<S>) -> Aabb {
-    outward(b, [0.0; 3], 1.0)
+    outward(b, f64x4::splat(0.0), 1.0)
 }
 
 /// As `obvhs::ray::Ray::new` makes it, which in debug builds panics where a ray is not finite.
