@@ -16,7 +16,7 @@ use wide::f32x8;
 use crate::bvh::build::agglomerated::limit_levels;
 use crate::bvh::items::Groups;
 use crate::bvh::node::WIDTH;
-use crate::geometry::lanes::Eight;
+use crate::geometry::lanes::{Eight, Lanes};
 use crate::parallel::forks;
 use crate::primitives::TriangleBlock;
 
@@ -42,21 +42,20 @@ impl Choice {
     const SIDES: usize = Self::BITS * WIDTH;
     const LEAF: u64 = 1 << (2 * Self::SIDES);
 
-    /// `is_leaf`: the subtree becomes a leaf. By `i`: the number of roots less one if at most `i +
+    /// `is_leaf`: the subtree becomes a leaf. By lane `i`: the number of roots less one if at most `i +
     /// 1` are allowed, and how many of `i + 1` roots are on the lower child's side.
     #[inline(always)]
-    fn of(is_leaf: bool, roots: [u8; WIDTH], lower: [u8; WIDTH]) -> Self {
+    fn of(is_leaf: bool, roots: f32x8, lower: f32x8) -> Self {
         let leaf = if is_leaf { Self::LEAF } else { 0 };
         Self(leaf | Self::packed(lower) << Self::SIDES | Self::packed(roots))
     }
 
-    /// Bytes below 8 as 3 bits each: those of two, then four, then all side by side.
+    /// Whole numbers below 8 as 3 bits each, which are 24 in all: a sum in f32 is exact.
     #[inline(always)]
-    fn packed(bytes: [u8; WIDTH]) -> u64 {
-        let bits = u64::from_le_bytes(bytes);
-        let bits = (bits | bits >> 5) & 0x003f_003f_003f_003f;
-        let bits = (bits | bits >> 10) & 0x0fff_0000_0fff;
-        (bits | bits >> 20) & 0x00ff_ffff
+    fn packed(numbers: f32x8) -> u64 {
+        const PLACES: f32x8 =
+            f32x8::new([1.0, 8.0, 64.0, 512.0, 4096.0, 32768.0, 262_144.0, 2_097_152.0]);
+        u64::from((numbers * PLACES).reduce_add() as u32)
     }
 
     fn is_leaf(self) -> bool {
@@ -86,6 +85,9 @@ struct Subtree {
     primitives: u32,
     levels: u32,
 }
+
+const NO_COSTS: f32x8 = f32x8::splat(f32::INFINITY);
+const NUMBERS: f32x8 = f32x8::new([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
 
 /// A binary tree and how it is collapsed.
 pub(super) struct Collapse<'a> {
@@ -255,34 +257,48 @@ impl CollapsePlanner<'_> {
 #[inline(always)]
 fn joined(lower: &Subtree, upper: &Subtree, area: f32, costs: Costs) -> (Subtree, Choice) {
     let primitives = lower.primitives + upper.primitives;
-    // so many roots of the lower child's: the others are the upper one's, so many lanes further on,
-    // which is a shuffle (eight lanes read at once that were just written one by one are waited for)
-    let (mut best, mut sides) = (f32x8::splat(f32::INFINITY), f32x8::splat(0.0));
+    // so many roots of the lower child's: the others are the upper one's, so many lanes further on
+    let mut shared = [NO_COSTS; WIDTH - 1];
     for of_lower in 1..WIDTH {
-        let lanes = std::array::from_fn(|i| {
-            if i < of_lower { f32::INFINITY } else { upper.cost[i - of_lower] }
-        });
-        let cost = f32x8::splat(lower.cost[of_lower - 1]) + f32x8::new(lanes);
-        let is_less = cost.below(best);
-        best = cost.where_set(is_less, best);
-        sides = f32x8::splat(of_lower as f32).where_set(is_less, sides);
+        let of_upper = moved_up(upper.cost, of_lower, f32::INFINITY);
+        shared[of_lower - 1] = f32x8::splat(lower.cost[of_lower - 1]) + of_upper;
+    }
+    let [a, b, c, d, e, f, g] = shared;
+    let best = a.lesser(b).lesser(c.lesser(d)).lesser(e.lesser(f).lesser(g));
+    let mut sides = f32x8::splat(0.0);
+    for of_lower in (1..WIDTH).rev() {
+        let is_best = shared[of_lower - 1].equal(best);
+        sides = f32x8::splat(of_lower as f32).where_set(is_best, sides);
     }
     let mut cost = best.to_array();
-    let lower_roots = sides.to_array().map(|side| side as u8);
     let as_leaf = area * blocks(primitives) as f32;
     let as_node = cost[WIDTH - 1] + area * costs.node;
     let is_leaf = primitives <= costs.longest_leaf && as_leaf <= as_node;
     cost[0] = if is_leaf { as_leaf } else { as_node };
-    let mut roots = [0; WIDTH];
-    for i in 1..WIDTH {
-        roots[i] = i as u8;
-        if cost[i] >= cost[i - 1] {
-            cost[i] = cost[i - 1];
-            roots[i] = roots[i - 1];
-        }
-    }
+    // no more roots than pay
+    let own = f32x8::new(cost);
+    let least = scanned(own, f32::INFINITY, f32x8::lesser);
+    let pays = own.below(moved_up(least.to_array(), 1, f32::INFINITY));
+    let roots = scanned(NUMBERS.where_set(pays, f32x8::splat(0.0)), 0.0, f32x8::greater);
+    let cost = least.to_array();
     let levels = 1 + lower.levels.max(upper.levels);
-    (Subtree { cost, primitives, levels }, Choice::of(is_leaf, roots, lower_roots))
+    (Subtree { cost, primitives, levels }, Choice::of(is_leaf, roots, sides))
+}
+
+/// Lanes so many places further on, this number in those below.
+#[inline(always)]
+fn moved_up(lanes: [f32; WIDTH], places: usize, below: f32) -> f32x8 {
+    // a shuffle: eight lanes read at once that were just written one by one would be waited for
+    f32x8::new(std::array::from_fn(|i| if i < places { below } else { lanes[i - places] }))
+}
+
+/// By lane what `join` makes of those up to it; `none` changes nothing.
+#[inline(always)]
+fn scanned(mut lanes: f32x8, none: f32, join: impl Fn(f32x8, f32x8) -> f32x8) -> f32x8 {
+    for places in [1, 2, 4] {
+        lanes = join(lanes, moved_up(lanes.to_array(), places, none));
+    }
+    lanes
 }
 
 #[cfg(test)]
