@@ -86,7 +86,6 @@ struct Subtree {
     levels: u32,
 }
 
-const NO_COSTS: f32x8 = f32x8::splat(f32::INFINITY);
 const NUMBERS: f32x8 = f32x8::new([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
 
 /// A binary tree and how it is collapsed.
@@ -258,7 +257,7 @@ impl CollapsePlanner<'_> {
 fn joined(lower: &Subtree, upper: &Subtree, area: f32, costs: Costs) -> (Subtree, Choice) {
     let primitives = lower.primitives + upper.primitives;
     // so many roots of the lower child's: the others are the upper one's, so many lanes further on
-    let mut shared = [NO_COSTS; WIDTH - 1];
+    let mut shared = [f32x8::splat(0.0); WIDTH - 1];
     for of_lower in 1..WIDTH {
         let of_upper = moved_up(upper.cost, of_lower, f32::INFINITY);
         shared[of_lower - 1] = f32x8::splat(lower.cost[of_lower - 1]) + of_upper;

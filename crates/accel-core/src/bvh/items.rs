@@ -6,6 +6,7 @@ use wide::{f32x4, f64x4, i32x4};
 
 use crate::bvh::node::RaySetup;
 use crate::geometry::aabb::Aabb;
+use crate::geometry::lanes::Four;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule, PADDING_ULPS};
 use crate::memory::Limits;
@@ -147,7 +148,8 @@ impl<S: Scalar> BoxScale<S> {
             Padding::Rounding => f64x4::splat(0.0),
             Padding::OfScene => f64x4::splat(epsilon * PADDING_ULPS * self.magnitude),
             Padding::OfExtent { along, largest } => {
-                (axes(extents.to_array()) * along + extents.max_element() * largest) * epsilon
+                (f64x4::of_axes(extents.to_array()) * along + extents.max_element() * largest)
+                    * epsilon
             }
         };
         outward(part, margins, self.setup.unit())
@@ -165,7 +167,7 @@ impl<S: Scalar> BoxScale<S> {
 /// rounded outwards.
 #[inline(always)]
 pub(crate) fn outward<S: Scalar>(b: &Aabb<S>, margins: f64x4, unit: f64) -> ObvhsAabb {
-    let [min, max] = [b.min, b.max].map(|corner| axes(corner.to_array().map(S::to_f64)));
+    let [min, max] = [b.min, b.max].map(|corner| f64x4::of_axes(corner.to_array().map(S::to_f64)));
     let low = rounded_down((min - margins) * unit);
     let negated_high = rounded_down(-(max + margins) * unit);
     let corner = |lanes: f32x4| {
@@ -175,20 +177,13 @@ pub(crate) fn outward<S: Scalar>(b: &Aabb<S>, margins: f64x4, unit: f64) -> Obvh
     ObvhsAabb::new(corner(low), -corner(negated_high))
 }
 
-/// Lanes of the three axes; nothing is in the fourth.
-#[inline(always)]
-fn axes([x, y, z]: [f64; 3]) -> f64x4 {
-    f64x4::new([x, y, z, 0.0])
-}
-
 /// The largest numbers that are no larger; -0 is before 0. Without branches, as nobody can guess which
 /// way a number was rounded.
 #[inline(always)]
 fn rounded_down(exact: f64x4) -> f32x4 {
     let nearest = f32x4::new(exact.to_array().map(|x| x as f32));
-    let is_above = f64x4::new(nearest.to_array().map(f64::from)).simd_gt(exact);
     // -1 where the next lower one is wanted
-    let places = i32x4::new(is_above.to_array().map(|mask| mask.to_bits() as i32));
+    let places = !f64x4::new(nearest.to_array().map(f64::from)).at_most(exact);
     // of negative numbers the larger ones have the smaller bits
     let in_order = |bits: i32x4| bits ^ ((bits >> 31) & i32x4::splat(i32::MAX));
     bytemuck::cast(in_order(in_order(bytemuck::cast(nearest)) + places))

@@ -35,6 +35,8 @@ pub trait Lanes:
 
 /// Four lanes, the first three for the axes.
 pub trait Four: Lanes {
+    /// Lanes of the three axes; 0 in the fourth.
+    fn of_axes(axes: [Self::Scalar; 3]) -> Self;
     /// Exact for |i| < 2^24.
     fn from_i32(i: i32x4) -> Self;
     /// Truncates towards zero what is in the range of i32.
@@ -139,6 +141,7 @@ eight!(f64x8, {
 
 impl Four for f32x4 {
     inlined! {
+        fn of_axes([x, y, z]: [f32; 3]) -> Self = Self::new([x, y, z, 0.0]);
         fn from_i32(i: i32x4) -> Self = Self::from_i32x4(i);
         fn truncate(self) -> i32x4 = self.fast_trunc_int();
         fn at_most(self, other: Self) -> i32x4 = bytemuck::cast(self.simd_le(other));
@@ -149,6 +152,7 @@ impl Four for f32x4 {
 
 impl Four for f64x4 {
     inlined! {
+        fn of_axes([x, y, z]: [f64; 3]) -> Self = Self::new([x, y, z, 0.0]);
         fn from_i32(i: i32x4) -> Self = Self::new(i.to_array().map(f64::from));
         fn truncate(self) -> i32x4 = i32x4::new(self.to_array().map(|x| x as i32));
     }
@@ -182,6 +186,7 @@ mod tests {
         let mask = i32x4::new([-1, 0, 0, -1]);
         assert_eq!(b.where_set(mask, a).to_array(), [s(0.0), s(2.5), s(3.0), s(7.0)]);
         assert_eq!((a + b).truncate().to_array()[..3], [-1, 4, 6]);
+        assert_eq!(V::of_axes([s(1.0), s(2.0), s(3.0)]).to_array(), [1.0, 2.0, 3.0, 0.0].map(s));
         let i = i32x4::new([-7, 0, 65_535, 9]);
         assert_eq!(V::from_i32(i).to_array(), [s(-7.0), s(0.0), s(65_535.0), s(9.0)]);
     }

@@ -207,6 +207,7 @@ impl<const P: u32, const N: usize> Lanes for ToyLanes<P, N> {
 
 impl<const P: u32> Four for ToyLanes<P, 4> {
     inlined! {
+        fn of_axes([x, y, z]: [Toy<P>; 3]) -> Self = Self([x, y, z, Toy::from_i32(0)]);
         fn from_i32(i: i32x4) -> Self = Self(i.to_array().map(Toy::from_i32));
         fn truncate(self) -> i32x4 = i32x4::new(self.0.map(Toy::to_i32));
         fn at_most(self, other: Self) -> i32x4 =

@@ -39,14 +39,21 @@ impl Item {
         self.0.0.to_array()[3].to_bits()
     }
 
-    /// Around the sum of both corners.
+    /// Around the sum of both corners. The other two lanes are 0: numbers, read as floats, are
+    /// subnormal, and slow to multiply and to divide by on some processors.
     #[inline(always)]
     pub(super) fn centre(&self) -> Bounds {
         let [low, negated] = self.0.corners();
         let exchanged: f32x8 = bytemuck::cast([negated, low]);
-        Bounds(self.0.0 - exchanged)
+        Bounds((self.0.0 - exchanged) & AXES)
     }
 }
+
+/// All ones for the axes of both corners.
+const AXES: f32x8 = {
+    let ones = f32::from_bits(u32::MAX);
+    f32x8::new([ones, ones, ones, 0.0, ones, ones, ones, 0.0])
+};
 
 /// A box: the lower corner, then the upper one negated, so that one operation joins two boxes; of
 /// what is in the fourth and in the last lane nothing is known.

@@ -25,27 +25,22 @@ struct Binning {
 
 impl Binning {
     fn of(centres: &Bounds, bins: usize) -> Self {
-        let [low, negated] = centres.corners();
-        let extent = ((-negated - low) & XYZ).to_array();
+        let [low, _] = centres.corners();
+        let extent = (-centres.negated_extent()).to_array();
         // the last bin ends a little behind the last centre; no bins are on an axis along which all
         // are alike
         let scale = |extent: f32| if extent > 1e-30 { bins as f32 * 0.9999 / extent } else { 0.0 };
         let [x, y, z, _] = extent;
-        Self { low, scale: f32x4::new([scale(x), scale(y), scale(z), 0.0]) }
+        Self { low, scale: f32x4::of_axes([x, y, z].map(scale)) }
     }
 
     #[inline(always)]
     fn bins(&self, centre: &Bounds) -> [i32; 4] {
         let [centre, _] = centre.corners();
-        let places: i32x4 = (((centre - self.low) & XYZ) * self.scale).truncate();
+        let places: i32x4 = ((centre - self.low) * self.scale).truncate();
         places.to_array()
     }
 }
-
-/// All ones for the axes. What else is there may be a subnormal number, slow to multiply and to divide
-/// by on some processors.
-const XYZ: f32x4 =
-    f32x4::new([f32::from_bits(u32::MAX), f32::from_bits(u32::MAX), f32::from_bits(u32::MAX), 0.0]);
 
 /// Contents of the bins of each axis.
 pub(super) struct Bins {

@@ -24,10 +24,11 @@ pub(super) struct LatticeFrame<S: Scalar> {
 
 impl<S: Scalar> LatticeFrame<S> {
     pub(super) fn new(low: crate::Vec3<S>, per_length: [S; 3], resolution: [u32; 3]) -> Self {
-        let last = i32x4::new(with_zero(resolution.map(|n| n as i32 - 1), 0));
+        let [x, y, z] = resolution.map(|n| n as i32 - 1);
+        let last = i32x4::new([x, y, z, 0]);
         Self {
-            low: four(low.to_array()),
-            per_length: four(per_length),
+            low: FourOf::<S>::of_axes(low.to_array()),
+            per_length: FourOf::<S>::of_axes(per_length),
             last,
             last_coordinate: FourOf::<S>::from_i32(last),
             size: FourOf::<S>::from_i32(last + i32x4::splat(1)),
@@ -67,14 +68,6 @@ impl<S: Scalar> LatticeFrame<S> {
     }
 }
 
-fn with_zero<T>([x, y, z]: [T; 3], zero: T) -> [T; 4] {
-    [x, y, z, zero]
-}
-
-fn four<S: Scalar>(v: [S; 3]) -> FourOf<S> {
-    FourOf::<S>::new(with_zero(v, S::ZERO))
-}
-
 /// A ray in lattice cells; its parameter stays what it was.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LatticeRayState<S: Scalar> {
@@ -94,8 +87,8 @@ impl<S: Scalar> LatticeRayState<S> {
     pub(super) fn of(ray: &Ray<S>, place: &LatticeFrame<S>) -> Option<(Self, Point)> {
         let splat = FourOf::<S>::splat;
         let (zero, infinity) = (splat(S::ZERO), splat(S::INFINITY));
-        let origin = (four::<S>(ray.origin.to_array()) - place.low) * place.per_length;
-        let direction = four::<S>(ray.direction.to_array()) * place.per_length;
+        let origin = (FourOf::<S>::of_axes(ray.origin.to_array()) - place.low) * place.per_length;
+        let direction = FourOf::<S>::of_axes(ray.direction.to_array()) * place.per_length;
         let inverse = splat(S::ONE) / direction;
         // not where it is too small to divide by, nor in the fourth lane: there every plane is at
         // infinity, and no point moves
