@@ -22,6 +22,7 @@ mod packet;
 mod parts;
 mod prepared;
 mod refit;
+mod slabs;
 mod traverse;
 
 use crate::geometry::aabb::Aabb;

@@ -2,12 +2,12 @@
 //! size and in f32 first ([`BoxRay`]), which trees of obvhs are traversed with too, then padded
 //! ([`NodeRay`]).
 
-use glam::{BVec3A, Vec3, Vec3A};
+use glam::{BVec4A, Vec3, Vec3A, Vec4};
 use obvhs::ray::Ray as ObvhsRay;
 use wide::f32x8;
 
+use super::slabs::{inverse_of, longest_axis, within};
 use crate::geometry::aabb::Aabb;
-use crate::geometry::lanes::{Eight, Lanes};
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vector};
 
@@ -284,22 +284,27 @@ impl NodeRay {
     /// component -0. `is_exact`: a triangle that ends behind the origin is not hit.
     #[inline(always)]
     pub(super) fn of(o: Vec3A, d: Vec3A, is_exact: bool) -> Self {
-        let inverse = d.recip().min(Vec3A::splat(LARGE)).max(Vec3A::splat(-LARGE));
-        let shift = SHIFT[0] + SHIFT[1] * o.abs().max_element();
-        let shift = Vec3A::splat(shift * EPSILON).copysign(d);
-        let longest = d.abs().max_element();
+        let [o, d] = [o.extend(0.0), d.extend(0.0)];
+        let inverse = inverse_of(d);
+        let shift = SHIFT[0] + SHIFT[1] * longest_axis(o);
+        let shift = (shift * EPSILON).copysign(d);
         let is_shifted =
-            if is_exact { d.abs().cmplt(Vec3A::splat(longest * LEAST_PART)) } else { BVec3A::TRUE };
-        let leave_origin = o - Vec3A::select(is_shifted, shift, Vec3A::ZERO);
+            if is_exact { d.abs().cmplt(longest_axis(d) * LEAST_PART) } else { BVec4A::TRUE };
+        let leave_origin = o - Vec4::select(is_shifted, shift, Vec4::ZERO);
         let leave = leave_origin * inverse;
-        let rounding = leave.abs() * PRODUCT_ROUNDING + inverse.abs() * PLANE_ROUNDING;
-        let enter_offset = -((o + shift) * inverse);
-        let leave_offset = rounding - leave;
-        Self::with(
-            [inverse.to_array(); 2],
-            [enter_offset.to_array(), leave_offset.to_array()],
-            inverse.is_negative_bitmask(),
-        )
+        let mut rounding = leave.abs() * PRODUCT_ROUNDING;
+        if PLANE_ROUNDING > 0.0 {
+            rounding += inverse.abs() * PLANE_ROUNDING;
+        }
+        Self::of_lanes(inverse, [-((o + shift) * inverse), rounding - leave])
+    }
+
+    /// Its parts, by axis.
+    #[inline(always)]
+    fn of_lanes(inverse: Vec4, offset: [Vec4; 2]) -> Self {
+        let axes = |v: Vec4| v.truncate().to_array();
+        let octant = inverse.is_negative_bitmask() & (OCTANTS as u32 - 1);
+        Self::with([axes(inverse); 2], [axes(offset[0]), axes(offset[1])], octant)
     }
 
     /// Assembles its parts; for the octant see [`OCTANTS`].
@@ -329,9 +334,10 @@ impl NodeRay {
     /// The same without anything added, for the price of it.
     #[inline(always)]
     pub(super) fn unpadded(o: Vec3A, d: Vec3A) -> Self {
-        let inverse = d.recip().min(Vec3A::splat(LARGE)).max(Vec3A::splat(-LARGE));
-        let offset = (-(o * inverse)).to_array();
-        Self::with([inverse.to_array(); 2], [offset; 2], inverse.is_negative_bitmask())
+        let inverse = inverse_of(d.extend(0.0));
+        // never -0
+        let offset = Vec4::ZERO - o.extend(0.0) * inverse;
+        Self::of_lanes(inverse, [offset; 2])
     }
 
     /// Boxes that the ray meets up to parameter `end`, a bit each, and where it enters them.
@@ -343,11 +349,8 @@ impl NodeRay {
                 unsafe { *std::ptr::from_ref(node).byte_add(self.planes[side][k]).cast::<f32x8>() };
             plane.mul_add(self.inverse[side][k], self.offset[side][k])
         };
-        let enter = plane(0, 0).greater(plane(1, 0));
-        let enter = enter.greater(plane(2, 0).greater(f32x8::ZERO));
-        let leave = plane(0, 1).lesser(plane(1, 1));
-        let leave = leave.lesser(plane(2, 1).lesser(f32x8::splat(end)));
-        (enter.at_most(leave).high_bits(), enter)
+        let planes = |side| [plane(0, side), plane(1, side), plane(2, side)];
+        within(planes(0), planes(1), f32x8::splat(end))
     }
 }
 
@@ -359,8 +362,14 @@ mod tests {
     #[test]
     fn a_box_that_ends_where_a_ray_begins_is_met() {
         let mut random = Random(72);
-        for _ in 0..100_000 {
-            let [o, d] = [0; 2].map(|_| (random.point([2.0; 3]) - 1.0).as_vec3a());
+        for round in 0..200_000 {
+            let [mut o, mut d] = [0; 2].map(|_| (random.point([2.0; 3]) - 1.0).as_vec3a());
+            // on a plane through the scene's origin, or along it
+            match round % 8 {
+                axis @ 0..3 => o[axis] = 0.0,
+                axis @ 3..6 => d[axis - 3] = 0.0,
+                _ => {}
+            }
             let mut node = Node::empty();
             node.set_box(3, o.to_array(), o.to_array());
             assert_eq!(NodeRay::of(o, d, true).test(&node, 1.0).0, 8, "{o} {d}");

@@ -7,6 +7,7 @@ use super::node::{
     BoxParameters, EPSILON, LARGE, LEAST_PART, Node, NodeRay, PLANE_ROUNDING, PRODUCT_ROUNDING,
     RaySetup, SHIFT,
 };
+use super::slabs::within;
 use crate::geometry::lanes::{Eight, Lanes};
 use crate::geometry::ray::unit_factor;
 use crate::geometry::ray_lanes::{LANES, RayLanes, lane_of};
@@ -99,15 +100,12 @@ impl NodeRayLanes {
         ends: &[f32; LANES],
     ) -> u32 {
         let [low, high] = like.bounds(node, child);
-        let met = |bound: [f32; 3], side: usize, k: usize| {
+        let plane = |bound: [f32; 3], side: usize, k: usize| {
             let (inverse, offset) = (self.inverse[k], self.offset[side][k]);
             f32x8::splat(bound[k]).mul_add(f32x8::new(inverse), f32x8::new(offset))
         };
-        let enter = met(low, 0, 0).greater(met(low, 0, 1));
-        let enter = enter.greater(met(low, 0, 2).greater(f32x8::ZERO));
-        let leave = met(high, 1, 0).lesser(met(high, 1, 1));
-        let leave = leave.lesser(met(high, 1, 2).lesser(f32x8::new(*ends)));
-        enter.at_most(leave).high_bits()
+        let planes = |bound, side| [0, 1, 2].map(|k| plane(bound, side, k));
+        within(planes(low, 0), planes(high, 1), f32x8::new(*ends)).0
     }
 
     /// That of a ray.

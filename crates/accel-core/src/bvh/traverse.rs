@@ -115,11 +115,9 @@ macro_rules! keep_branch {
 /// bottom.
 const ROOM: usize = LEVELS as usize * (WIDTH - 1) + WIDTH;
 
-/// Entry distance (bits of an f32 >= 0) in the upper half, node index in the lower: comparing two
-/// as integers compares their distances.
+/// Entry distance (bits of an f32, +0 at least) in the upper half, node index in the lower:
+/// comparing two as integers compares their distances.
 type Entry = u64;
-
-const SIGN: u32 = 1 << 31;
 
 /// Nodes to visit, with their entry distances; within one parent, nearer children lie above farther
 /// ones.
@@ -170,11 +168,13 @@ impl<'r> Stack<'r> {
     /// The next child that the ray enters before `end`.
     #[inline(always)]
     pub(super) fn pop(&mut self, end: f32) -> Option<u32> {
+        // an end may be negative: all rays of a packet are done
+        let last = i64::from(end.to_bits() as i32) << 32 | i64::from(u32::MAX);
         while self.waiting > 0 {
             self.waiting -= 1;
             // SAFETY: what lies below `waiting` was written
             let entry = unsafe { self.entries[self.waiting].assume_init() };
-            if f32::from_bits((entry >> 32) as u32) <= end {
+            if entry as i64 <= last {
                 return Some(entry as u32);
             }
         }
@@ -241,9 +241,7 @@ impl<'r> Stack<'r> {
         let enter = enter.to_array();
         let entry = |child: u32| {
             let child = child as usize & (WIDTH - 1);
-            // parameters are not negative, and so in the order of their bits
-            let key = u64::from(enter[child].to_bits() & !SIGN);
-            key << 32 | u64::from(name(child))
+            u64::from(enter[child].to_bits()) << 32 | u64::from(name(child))
         };
         let mut take = || {
             let child = met.trailing_zeros();

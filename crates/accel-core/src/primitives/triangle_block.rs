@@ -94,10 +94,10 @@ impl<S: Scalar> TriangleBlock<S> {
         (ids, ids.iter().take_while(|id| **id | MARKS != MISS).count())
     }
 
-    /// The id in a lane that has one.
+    /// The id in a lane that has one: only the first has marks.
     #[inline(always)]
     pub(crate) fn id(&self, lane: usize) -> u32 {
-        if lane == 0 { self.ids[0] & !MARKS } else { self.ids[lane] }
+        self.ids[lane] & !MARKS
     }
 
     /// By corner, axis and lane; NaN in lanes without a triangle.
