@@ -260,11 +260,8 @@ static PLANES: [[[usize; 3]; 2]; OCTANTS] = {
 
 pub(super) const EPSILON: f32 = f32::EPSILON;
 /// Along axes on which a direction has a smaller part of its largest component both ends are
-/// shifted: where a reciprocal is cut off ([`LARGE`]), a plane is met too early.
+/// shifted: where a reciprocal is cut off (`slabs.rs`), a plane is met too early.
 pub(super) const LEAST_PART: f32 = 1.0 / 512.0;
-/// More than the reciprocal of any component that counts, and less than overflows in a scene of
-/// unit size.
-pub(super) const LARGE: f32 = 1e37;
 /// By so many epsilons, and so many of the origin's largest coordinate, origins are shifted. 24 of
 /// a scene's largest coordinate, below 2, for weights; of a hit's distance, below that and the
 /// origin's, 2.5 for corners and the slope, 4.5 for the parameter; and the slab's own roundings. A

@@ -4,10 +4,10 @@
 use wide::f32x8;
 
 use super::node::{
-    BoxParameters, EPSILON, LARGE, LEAST_PART, Node, NodeRay, PLANE_ROUNDING, PRODUCT_ROUNDING,
-    RaySetup, SHIFT,
+    BoxParameters, EPSILON, LEAST_PART, Node, NodeRay, PLANE_ROUNDING, PRODUCT_ROUNDING, RaySetup,
+    SHIFT,
 };
-use super::slabs::within;
+use super::slabs::{LARGE, within};
 use crate::geometry::lanes::{Eight, Lanes};
 use crate::geometry::ray::unit_factor;
 use crate::geometry::ray_lanes::{LANES, RayLanes, lane_of};

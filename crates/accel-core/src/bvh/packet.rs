@@ -13,8 +13,9 @@
 //! would alone. A node that the rays visit together counts as one step of one of them.
 
 use crate::bvh::WideBvh;
-use crate::bvh::node::{BoxParameters, EPSILON, LARGE, LEAF, LEAST_PART, NodeRay, WIDTH};
+use crate::bvh::node::{BoxParameters, EPSILON, LEAF, LEAST_PART, NodeRay, WIDTH};
 use crate::bvh::node_ray_lanes::NodeRayLanes;
+use crate::bvh::slabs::LARGE;
 use crate::bvh::traverse::Stack;
 use crate::geometry::lanes::{Eight, Lanes, take_lowest};
 use crate::geometry::ray_lanes::LANES;

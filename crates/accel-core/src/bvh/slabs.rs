@@ -4,8 +4,11 @@
 use glam::{Vec4, Vec4Swizzles};
 use wide::{f32x8, i32x4, i32x8};
 
-use super::node::{LARGE, WIDTH};
+use crate::geometry::ray_lanes::LANES;
 
+/// More than the reciprocal of any component that counts, and less than overflows in a scene of
+/// unit size.
+pub(super) const LARGE: f32 = 1e37;
 /// In which lanes a ray is within three slabs before its end, a bit each, and from which parameter
 /// on, +0 at least. `enter`, `leave`: by axis, where it enters the slabs of a lane and where it
 /// leaves them. A parameter of -0 counts as negative where it leaves; no ray has one there: what
@@ -18,7 +21,7 @@ pub(super) fn within(enter: [f32x8; 3], leave: [f32x8; 3], end: f32x8) -> (u32, 
     let [x, y, z] = leave.map(bits);
     let leave = x.min(y).min(z.min(bits(end)));
     let is_missed = enter.simd_gt(leave).to_bitmask();
-    (is_missed ^ ((1 << WIDTH) - 1), bytemuck::cast(enter))
+    (is_missed ^ ((1 << LANES) - 1), bytemuck::cast(enter))
 }
 
 /// Reciprocals no larger than [`LARGE`].
@@ -62,13 +65,13 @@ mod tests {
         let mut met = 0;
         for _ in 0..50_000 {
             let mut columns =
-                |scale: f32| [0; 3].map(|_| [0; WIDTH].map(|_| number(&mut random) * scale));
+                |scale: f32| [0; 3].map(|_| [0; LANES].map(|_| number(&mut random) * scale));
             let (enter, leave) = (columns(1e-10), columns(1e10));
             let end = if random.unit() < 0.1 { 0.0 } else { number(&mut random).abs() };
             let (lanes, from) =
                 within(enter.map(f32x8::new), leave.map(f32x8::new), f32x8::splat(end));
             let from = from.to_array();
-            for lane in 0..WIDTH {
+            for lane in 0..LANES {
                 let first = enter.iter().fold(0.0f32, |all, axis| all.max(axis[lane]));
                 let last = leave.iter().fold(end, |all, axis| all.min(axis[lane]));
                 assert_eq!(lanes >> lane & 1 == 1, first <= last, "{enter:?} {leave:?} {end}");
