@@ -290,13 +290,14 @@ impl NodeRay {
         let leave_origin = o - Vec4::select(is_shifted, shift, Vec4::ZERO);
         let leave = leave_origin * inverse;
         let mut rounding = leave.abs() * PRODUCT_ROUNDING;
+        // a product with 0 would be computed, and waited for
         if PLANE_ROUNDING > 0.0 {
             rounding += inverse.abs() * PLANE_ROUNDING;
         }
         Self::of_lanes(inverse, [-((o + shift) * inverse), rounding - leave])
     }
 
-    /// Its parts, by axis.
+    /// The same from lanes, three of them for the axes.
     #[inline(always)]
     fn of_lanes(inverse: Vec4, offset: [Vec4; 2]) -> Self {
         let axes = |v: Vec4| v.truncate().to_array();
@@ -332,7 +333,7 @@ impl NodeRay {
     #[inline(always)]
     pub(super) fn unpadded(o: Vec3A, d: Vec3A) -> Self {
         let inverse = inverse_of(d.extend(0.0));
-        // never -0
+        // never -0: see `within`
         let offset = Vec4::ZERO - o.extend(0.0) * inverse;
         Self::of_lanes(inverse, [offset; 2])
     }

@@ -97,7 +97,8 @@ impl Packet {
             inverse[0][k] = sign * least;
             inverse[1][k] = sign * most;
             offset[0][k] = -(front * inverse[0][k]);
-            offset[1][k] = -(back * inverse[1][k]);
+            // never -0: see `within`
+            offset[1][k] = 0.0 - back * inverse[1][k];
         }
         Some(Self { ray: NodeRay::with(inverse, offset, octant) })
     }
@@ -248,6 +249,18 @@ mod tests {
             }
         }
         assert!(met > 200_000 && missed > 100_000, "{met} {missed}");
+    }
+
+    #[test]
+    fn a_box_that_ends_at_minus_0_where_all_rays_begin_is_met() {
+        let (origin, direction) = ([[0.0; LANES]; 3], [[1.0; LANES], [0.5; LANES], [0.5; LANES]]);
+        let packet = Packet::of(&origin, &direction, true).unwrap();
+        let lanes = NodeRayLanes::of(&origin, &direction, true);
+        let mut node = Node::empty();
+        node.set_box(2, [-1.0; 3], [-0.0, 1.0, 1.0]);
+        assert_eq!(packet.ray.test(&node, 1.0).0, 1 << 2);
+        assert_eq!(lanes.get(0).test(&node, 1.0).0, 1 << 2);
+        assert_eq!(lanes.meeting(&node, 2, &packet.ray, &[1.0; LANES]), 0xff);
     }
 
     #[test]

@@ -9,10 +9,11 @@ use crate::geometry::ray_lanes::LANES;
 /// More than the reciprocal of any component that counts, and less than overflows in a scene of
 /// unit size.
 pub(super) const LARGE: f32 = 1e37;
+
 /// In which lanes a ray is within three slabs before its end, a bit each, and from which parameter
 /// on, +0 at least. `enter`, `leave`: by axis, where it enters the slabs of a lane and where it
-/// leaves them. A parameter of -0 counts as negative where it leaves; no ray has one there: what
-/// rounds to it ends behind the ray's origin.
+/// leaves them. There -0 counts as negative: no offset of a ray is -0, so that only a slab which
+/// ends behind the ray's origin is left at -0, by rounding.
 #[inline(always)]
 pub(super) fn within(enter: [f32x8; 3], leave: [f32x8; 3], end: f32x8) -> (u32, f32x8) {
     let bits = |x: f32x8| bytemuck::cast::<f32x8, i32x8>(x);
