@@ -161,7 +161,10 @@ impl<S: Scalar, T: Traverse<S>> BatchDriver<S, T> for RayByRay {
 }
 
 /// So many rays are put into another order at a time, which bounds the memory for that.
-const ORDERED_AT_A_TIME: usize = 1 << 18;
+const ORDERED_AT_A_TIME: usize = 1 << 20;
+
+/// So many of these are copied at a time, which the second cache holds.
+const COPIED_AT_A_TIME: usize = 1 << 12;
 
 /// Answers a batch; what it took. With a `unit`, that of [`ray_order::of`], in an order in which
 /// neighbours run alike where those of the batch do not, as its first rays tell. Compiled for
@@ -198,21 +201,24 @@ fn answered<D: BatchDriver<S, T>, C: Counters, S: Scalar, P: PrimSet<S>, T, A: A
     unit: Option<f64>,
 ) -> C {
     let (prims, rays) = (batch.prims, batch.rays);
-    let mut first = 0;
+    let (mut first, mut ordered, mut found) = (0, Vec::new(), Vec::new());
     while let Some(unit) = unit
         && first < rays.len()
     {
         let places = first..rays.len().min(first + ORDERED_AT_A_TIME);
         let Some(order) = ray_order::of(&rays[places.clone()], unit) else { break };
-        let ordered: Vec<Ray<S>> = order.iter().map(|&at| rays[first + at as usize]).collect();
-        // each is overwritten
-        let mut found = vec![A::miss(&rays[first]); order.len()];
-        let (all, work) = (0..order.len(), batch.work);
-        let mut part = Batch { prims, rays: &ordered, answers: &mut found, work };
-        drive::<D, _, _, _, _, _>(structure, reach, &mut part, all);
-        batch.work = part.work;
-        let answers = &mut batch.answers[places.clone()];
-        order.iter().zip(found).for_each(|(&at, answer)| answers[at as usize] = answer);
+        for order in order.chunks(COPIED_AT_A_TIME) {
+            ordered.clear();
+            ordered.extend(order.iter().map(|&at| rays[first + at as usize]));
+            // each is overwritten
+            found.resize(order.len(), A::miss(&ordered[0]));
+            let work = batch.work;
+            let mut part = Batch { prims, rays: &ordered, answers: &mut found, work };
+            drive::<D, _, _, _, _, _>(structure, reach, &mut part, 0..order.len());
+            batch.work = part.work;
+            let answers = order.iter().zip(&found);
+            answers.for_each(|(&at, &answer)| batch.answers[first + at as usize] = answer);
+        }
         first = places.end;
     }
     drive::<D, _, _, _, _, _>(structure, reach, &mut batch, first..rays.len());

@@ -4,14 +4,19 @@
 //! "Cache-Oblivious Ray Reordering", TOG 29(3), 2010; K. Garanzha, C. Loop, "Fast Ray Sorting and
 //! Breadth-First Packet Traversal for GPU Ray Tracing", EG 2010 (rays sorted by cells of origins
 //! and directions). Deviations: the cells are those of one Morton code of all six coordinates,
-//! whose bits go to the axis along which cells are longest; a batch whose neighbours start or run
-//! alike already keeps its own order, and so does one whose neighbours would not run alike in ours.
+//! whose bits go to the axis along which cells are longest; a ray's end stands for its origin where
+//! ends lie closer together; a batch whose neighbours start or run alike already keeps its own order,
+//! and so does one whose neighbours would not run alike in ours.
 
 use std::array::from_fn;
 
+use wide::f32x8;
+
 use crate::counting_sort::{DIGIT_BITS, by_two_digits};
+use crate::geometry::lanes::{Eight, Lanes};
 use crate::geometry::ray::Ray;
-use crate::geometry::scalar::{Scalar, Vector};
+use crate::geometry::ray_lanes::{LANES, RayLanes};
+use crate::geometry::scalar::Scalar;
 
 /// Smaller batches keep their order.
 const LEAST_RAYS: usize = 4096;
@@ -29,14 +34,17 @@ const CODE_BITS: usize = 2 * DIGIT_BITS as usize;
 /// Bits of each coordinate at most.
 const MOST_BITS: usize = 8;
 
-/// Origin, in units of half the scene's size, and direction, its largest component 1.
-type Coordinates = [f32; 6];
+/// Of eight rays: a point of each, in units of half the scene's size, and direction, its largest
+/// component 1.
+type Coordinates = [[f32; LANES]; 6];
 
 /// Cells of rays in the space of their coordinates.
 struct RayCells {
-    low: Coordinates,
+    /// The point of a ray is its end.
+    by_ends: bool,
+    low: [f32; 6],
     /// Cells by coordinate.
-    per_unit: Coordinates,
+    per_unit: [f32; 6],
     /// By axis and cell: the bits of the code.
     bits: [[u32; 1 << MOST_BITS]; 6],
 }
@@ -44,64 +52,80 @@ struct RayCells {
 /// The places of the rays in that order, for a scene whose coordinates lie within 2 once they are
 /// multiplied by `unit`; `None` where the batch is to keep its own.
 pub(crate) fn of<S: Scalar>(rays: &[Ray<S>], unit: f64) -> Option<Vec<u32>> {
-    if rays.len() < LEAST_RAYS || !are_scattered(rays, unit as f32) {
+    let unit = unit as f32;
+    let eights = rays.as_chunks().0;
+    if rays.len() < LEAST_RAYS || !are_scattered(eights, unit) {
         return None;
     }
-    let order = RayCells::around(rays, unit as f32).order(rays, unit as f32);
-    let eights = order.as_chunks::<8>().0;
-    let run_alike = |eight: &[u32; 8]| {
-        let [first, rest @ ..] = eight.map(|place| coordinates(&rays[place as usize], 1.0));
-        let differ = |a: f32, b: f32| (a - b).abs() > ALIKE || a * b < 0.0;
-        !rest.iter().any(|other| (3..6).any(|k| differ(first[k], other[k])))
-    };
-    let alike = spread(eights.len()).filter(|&at| run_alike(&eights[at])).count();
-    (2 * alike > SAMPLED as usize).then_some(order)
+    let cells = RayCells::around(eights, unit);
+    cells.put_like_rays_together(rays, unit).then(|| cells.order(rays, unit))
 }
 
-/// Places all over a batch of so many: where multiples of the golden ratio lie within one.
+/// Places all over so many: where multiples of the golden ratio lie within one.
 fn spread(n: usize) -> impl Iterator<Item = usize> {
     let part = |i: u32| u64::from(i.wrapping_mul(0x9e37_79b9));
     (0..SAMPLED).map(move |i| ((part(i) * n as u64) >> 32) as usize)
 }
 
 #[inline(always)]
-fn coordinates<S: Scalar>(ray: &Ray<S>, unit: f32) -> Coordinates {
-    let [ox, oy, oz] = ray.origin.to_array().map(|x| x.to_f64() as f32 * unit);
-    let [dx, dy, dz] = ray.direction.to_array().map(|x| x.to_f64() as f32);
-    let scale = 1.0 / dx.abs().max(dy.abs()).max(dz.abs());
-    [ox, oy, oz, dx * scale, dy * scale, dz * scale]
+fn coordinates<S: Scalar>(rays: &[Ray<S>; LANES], unit: f32, by_ends: bool) -> Coordinates {
+    let RayLanes { origin, direction, t_max, .. } = RayLanes::of(rays);
+    let lanes = |column: [S; LANES]| f32x8::new(column.map(|x| x.to_f64() as f32));
+    let (origin, direction) = (origin.map(lanes), direction.map(lanes));
+    let [x, y, z] = direction.map(Eight::absolute);
+    let scale = f32x8::splat(1.0) / x.greater(y).greater(z);
+    from_fn(|k| match k {
+        0..3 if by_ends => (origin[k] + direction[k] * lanes(t_max)) * f32x8::splat(unit),
+        0..3 => origin[k] * f32x8::splat(unit),
+        _ => direction[k - 3] * scale,
+    })
+    .map(f32x8::to_array)
 }
 
 /// Returns whether neighbours neither start nor run alike, measured by how far apart rays from all
 /// over the batch are.
-fn are_scattered<S: Scalar>(rays: &[Ray<S>], unit: f32) -> bool {
-    let eights = rays.as_chunks::<8>().0;
+fn are_scattered<S: Scalar>(eights: &[[Ray<S>; LANES]], unit: f32) -> bool {
     let (mut near, mut far) = ([0.0; 2], [0.0; 2]);
-    let mut before = coordinates(&rays[0], unit);
+    let mut before = coordinates(&eights[0], unit, false);
     for at in spread(eights.len()) {
-        let [first, last] = [0, 7].map(|lane| coordinates(&eights[at][lane], unit));
+        let here = coordinates(&eights[at], unit, false);
         for (k, axes) in [[0, 1, 2], [3, 4, 5]].into_iter().enumerate() {
-            let apart = |a: &Coordinates, b: &Coordinates| {
-                axes.iter().fold(0.0f32, |most, &axis| most.max((a[axis] - b[axis]).abs()))
+            let apart = |other: &Coordinates, lane: usize| {
+                let of = |&axis: &usize| (here[axis][0] - other[axis][lane]).abs();
+                axes.iter().map(of).fold(0.0, f32::max)
             };
-            near[k] += apart(&first, &last);
-            far[k] += apart(&before, &first);
+            near[k] += apart(&here, LANES - 1);
+            far[k] += apart(&before, 0);
         }
-        before = first;
+        before = here;
     }
     near[0] + near[1] > 0.0 && near[0] * NEARER >= far[0] && near[1] * NEARER >= far[1]
 }
 
-impl RayCells {
-    /// Cells around most of these rays.
-    fn around<S: Scalar>(rays: &[Ray<S>], unit: f32) -> Self {
-        let (mut low, mut high) = ([f32::INFINITY; 6], [f32::NEG_INFINITY; 6]);
-        for at in spread(rays.len()) {
-            for (k, x) in coordinates(&rays[at], unit).into_iter().enumerate() {
-                (low[k], high[k]) = (low[k].min(x), high[k].max(x));
-            }
+/// The least and the greatest coordinates of some of the rays.
+fn bounds<S: Scalar>(eights: &[[Ray<S>; LANES]], unit: f32, by_ends: bool) -> [[f32; 6]; 2] {
+    let [mut low, mut high] = [[f32::INFINITY; 6], [f32::NEG_INFINITY; 6]];
+    for at in spread(eights.len()) {
+        for (k, lanes) in coordinates(&eights[at], unit, by_ends).into_iter().enumerate() {
+            low[k] = lanes.into_iter().fold(low[k], f32::min);
+            high[k] = lanes.into_iter().fold(high[k], f32::max);
         }
-        let mut lengths: Coordinates = from_fn(|k| high[k] - low[k]);
+    }
+    [low, high]
+}
+
+impl RayCells {
+    /// Cells around most of these rays, by their ends if these lie closer together than their
+    /// origins do, as those of shadow rays at a light.
+    fn around<S: Scalar>(eights: &[[Ray<S>; LANES]], unit: f32) -> Self {
+        let [starts, ends] = [false, true].map(|by_ends| bounds(eights, unit, by_ends));
+        let lengths = |[low, high]: &[[f32; 6]; 2]| -> [f32; 6] { from_fn(|k| high[k] - low[k]) };
+        let [sx, sy, sz, ..] = lengths(&starts);
+        let longest = sx.max(sy).max(sz);
+        // those of rays without an end are infinite or not numbers
+        let by_ends = lengths(&ends)[..3].iter().all(|&length| length < longest);
+        let [low, high] = if by_ends { ends } else { starts };
+        let mut lengths = lengths(&[low, high]);
         let mut axes = [0; CODE_BITS];
         let mut counts = [0; 6];
         for axis in &mut axes {
@@ -125,23 +149,106 @@ impl RayCells {
         }
         let per_unit =
             from_fn(|k| (1 << counts[k]) as f32 / (high[k] - low[k]).max(f32::MIN_POSITIVE));
-        Self { low, per_unit, bits }
+        Self { by_ends, low, per_unit, bits }
     }
 
+    /// The codes of eight rays.
     #[inline(always)]
-    fn code(&self, at: &Coordinates) -> u32 {
-        let of = |k: usize| {
-            let cell = ((at[k] - self.low[k]) * self.per_unit[k]) as u8;
-            self.bits[k][usize::from(cell)]
-        };
-        of(0) | of(1) | of(2) | of(3) | of(4) | of(5)
+    fn codes<S: Scalar>(&self, rays: &[Ray<S>; LANES], unit: f32) -> [u32; LANES] {
+        let mut codes = [0; LANES];
+        let last = f32x8::splat(((1 << MOST_BITS) - 1) as f32);
+        for (k, x) in coordinates(rays, unit, self.by_ends).into_iter().enumerate() {
+            let low = f32x8::splat(self.low[k]);
+            let cells = (f32x8::new(x) - low) * f32x8::splat(self.per_unit[k]);
+            let cells = cells.greater(f32x8::splat(0.0)).lesser(last).truncate();
+            for (code, cell) in codes.iter_mut().zip(cells.to_array()) {
+                *code |= self.bits[k][usize::from(cell as u8)];
+            }
+        }
+        codes
+    }
+
+    /// Returns whether most neighbours in that order run alike: one ray of eight is put into it, so
+    /// that two neighbours are as far apart as the first and the last of eight will be.
+    fn put_like_rays_together<S: Scalar>(&self, rays: &[Ray<S>], unit: f32) -> bool {
+        let some: Vec<_> = rays.iter().step_by(LANES).copied().collect();
+        let order = self.order(&some, unit);
+        let eights = order.as_chunks::<LANES>().0;
+        let alike = spread(eights.len()).map(|at| {
+            let rays = eights[at].map(|place| some[place as usize]);
+            let [_, _, _, directions @ ..] = coordinates(&rays, unit, false);
+            let run_alike = |d: &[f32; LANES], lane: usize| {
+                (d[lane] - d[lane + 1]).abs() <= ALIKE && d[lane] * d[lane + 1] >= 0.0
+            };
+            let pairs = 0..LANES - 1;
+            pairs.filter(|&lane| directions.iter().all(|d| run_alike(d, lane))).count()
+        });
+        alike.sum::<usize>() > SAMPLED as usize * (LANES - 1) * 3 / 4
     }
 
     /// The places of the rays, sorted by their codes.
     fn order<S: Scalar>(&self, rays: &[Ray<S>], unit: f32) -> Vec<u32> {
-        let code = |ray| u64::from(self.code(&coordinates(ray, unit)));
-        let coded = rays.iter().zip(0..).map(|(ray, place)| code(ray) << 32 | place);
-        let coded = by_two_digits(coded.collect(), 32);
+        let mut coded = Vec::with_capacity(rays.len());
+        let mut add = |rays: &[Ray<S>; LANES], n: usize| {
+            let first = coded.len() as u64;
+            let codes = self.codes(rays, unit).into_iter().zip(first..);
+            coded.extend(codes.take(n).map(|(code, place)| u64::from(code) << 32 | place));
+        };
+        let (eights, rest) = rays.as_chunks();
+        eights.iter().for_each(|eight| add(eight, LANES));
+        if let [first, ..] = rest {
+            let mut eight = [*first; LANES];
+            eight[..rest.len()].copy_from_slice(rest);
+            add(&eight, rest.len());
+        }
+        let coded = by_two_digits(coded, 32);
         coded.into_iter().map(|coded| coded as u32).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::structures::test_scenes::Random;
+
+    /// From points within the unit cube to others, ending there or nowhere.
+    fn rays(mut to: impl FnMut(DVec3) -> DVec3, t_max: f32) -> Vec<Ray<f32>> {
+        let mut random = Random(3);
+        let ray = |_| {
+            let from = random.point([1.0; 3]);
+            Ray { t_max, ..Ray::from_dvec3(from, to(from) - from) }
+        };
+        (0..1 << 15).map(ray).collect()
+    }
+
+    fn by_ends(rays: &[Ray<f32>]) -> bool {
+        RayCells::around(rays.as_chunks().0, 1.0).by_ends
+    }
+
+    #[test]
+    fn rays_to_a_light_are_sorted_by_their_ends() {
+        let light = DVec3::new(0.5, 0.5, 4.0);
+        let shadow = rays(|_| light, 1.0);
+        assert!(by_ends(&shadow) && !by_ends(&rays(|_| light, f32::INFINITY)));
+        let order = of(&shadow, 1.0).unwrap();
+        let mut places = order.clone();
+        places.sort_unstable();
+        assert!(places.into_iter().eq(0..1 << 15));
+        // eight of them share a 48th of the range of directions
+        let apart = order.as_chunks::<8>().0.iter().map(|eight| {
+            let [_, _, _, x, y, _] = coordinates(&eight.map(|at| shadow[at as usize]), 1.0, true);
+            [x, y].map(|x| x.into_iter().fold(0.0f32, |most, other| most.max((other - x[0]).abs())))
+        });
+        let mean = apart.flatten().sum::<f32>() / (2 * order.len() / 8) as f32;
+        assert!(mean < 1.0 / 3.0 / 48.0, "{mean}");
+    }
+
+    #[test]
+    fn rays_of_all_directions_keep_their_order() {
+        let mut random = Random(5);
+        let everywhere = rays(|from| from + random.point([2.0; 3]) - 1.0, f32::INFINITY);
+        assert!(!by_ends(&everywhere) && of(&everywhere, 1.0).is_none());
     }
 }
