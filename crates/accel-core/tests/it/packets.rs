@@ -66,12 +66,13 @@ fn rays_that_run_apart_take_the_steps_of_one() {
     assert_eq!(counted(&set, "one", apart), counted(&set, "packets", apart));
 }
 
-/// The alike rays in an order that has nothing to do with where they start and run.
+/// The alike rays, each two or three times, in an order that has nothing to do with where they start
+/// and run; more of them than are copied at a time.
 #[test]
 fn rays_in_no_order_share_steps_as_well() {
     let set = triangles(&mut Random::new(4));
     let alike = rays(true);
-    let mixed: Vec<Ray<f32>> = (0..4096).map(|i| alike[i * 1031 % 4096]).collect();
+    let mixed: Vec<Ray<f32>> = (0..10_000).map(|i| alike[i * 1031 % 4096]).collect();
     let (one, packets) = (counted(&set, "one", &mixed), counted(&set, "packets", &mixed));
     assert_eq!(one.0, packets.0);
     let inner = |work: WorkCounters| work.traversal_steps - work.elementary_steps;
