@@ -14,7 +14,7 @@ use renderer::{RayBatches, RayKind};
 use crate::rays::exactness::{Exactness, is_apart};
 use crate::rays::order::{RayOrder, batch_name};
 
-/// Rays that one thread traces at a time when there are several threads.
+/// Rays that one thread traces at a time when there are several threads, at least.
 pub const CHUNK: usize = 4096;
 
 #[derive(Debug, Clone)]
@@ -301,16 +301,21 @@ pub fn trace<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>], answers: &mut A
     }
 }
 
-/// Traces a batch in chunks over the current rayon pool.
+/// Traces a batch in chunks over the current rayon pool: eight or more for each thread where rays
+/// go together, since the more of them there are, the more run alike.
 pub fn trace_chunked<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>], answers: &mut Answers<S>) {
+    let chunk = match tracer.batches().are_together() {
+        true => rays.len().div_ceil(8 * rayon::current_num_threads()).max(CHUNK),
+        false => CHUNK,
+    };
     match answers {
         Answers::Hits(hits) => rays
-            .par_chunks(CHUNK)
-            .zip(hits.par_chunks_mut(CHUNK))
+            .par_chunks(chunk)
+            .zip(hits.par_chunks_mut(chunk))
             .for_each(|(rays, hits)| tracer.closest_hits(rays, hits)),
         Answers::Blocked(blocked) => rays
-            .par_chunks(CHUNK)
-            .zip(blocked.par_chunks_mut(CHUNK))
+            .par_chunks(chunk)
+            .zip(blocked.par_chunks_mut(chunk))
             .for_each(|(rays, blocked)| tracer.occlusions(rays, blocked)),
     }
 }
