@@ -301,11 +301,11 @@ pub fn trace<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>], answers: &mut A
     }
 }
 
-/// Traces a batch in chunks over the current rayon pool: eight or more for each thread where rays
-/// go together, since the more of them there are, the more run alike.
+/// Traces a batch in chunks over the current rayon pool. Where rays go together a chunk is an eighth
+/// of a thread's share: the more rays, the more of them run alike.
 pub fn trace_chunked<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>], answers: &mut Answers<S>) {
-    let chunk = match tracer.batches().are_together() {
-        true => rays.len().div_ceil(8 * rayon::current_num_threads()).max(CHUNK),
+    let chunk = match tracer.batches().are_together() && !rays.is_empty() {
+        true => rays.len().div_ceil(8 * rayon::current_num_threads()).next_multiple_of(CHUNK),
         false => CHUNK,
     };
     match answers {
