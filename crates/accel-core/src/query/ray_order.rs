@@ -104,7 +104,8 @@ fn are_scattered<S: Scalar>(eights: &[[Ray<S>; LANES]], unit: f32) -> bool {
     near[0] + near[1] > 0.0 && near[0] * NEARER >= far[0] && near[1] * NEARER >= far[1]
 }
 
-/// The least and the greatest coordinates of some of the rays, a quarter of what is looked at elsewhere.
+/// The least and the greatest coordinates of some of the rays, a quarter of those that are looked at
+/// elsewhere.
 fn bounds<S: Scalar>(eights: &[[Ray<S>; LANES]], unit: f32, by_ends: bool) -> [[f32; 6]; 2] {
     let [mut low, mut high] = [[f32::INFINITY; 6], [f32::NEG_INFINITY; 6]];
     for at in spread(eights.len()).take(SAMPLED as usize / 4) {
@@ -191,21 +192,16 @@ impl RayCells {
 
     /// The places of the rays, sorted by their codes.
     fn order<S: Scalar>(&self, rays: &[Ray<S>], unit: f32) -> Vec<u32> {
-        let mut coded = Vec::with_capacity(rays.len());
-        let mut add = |rays: &[Ray<S>; LANES], n: usize| {
-            let first = coded.len() as u64;
-            let codes = self.codes(rays, unit).into_iter().zip(first..);
-            coded.extend(codes.take(n).map(|(code, place)| u64::from(code) << 32 | place));
-        };
         let (eights, rest) = rays.as_chunks();
-        eights.iter().for_each(|eight| add(eight, LANES));
-        if let [first, ..] = rest {
-            let mut eight = [*first; LANES];
-            eight[..rest.len()].copy_from_slice(rest);
-            add(&eight, rest.len());
+        let mut coded = Vec::with_capacity(rays.len());
+        for (eight, first) in eights.iter().zip((0..).step_by(LANES)) {
+            let codes = self.codes(eight, unit).into_iter().zip(first..);
+            coded.extend(codes.map(|(code, place): (_, u64)| u64::from(code) << 32 | place));
         }
-        let coded = by_two_digits(coded, 32);
-        coded.into_iter().map(|coded| coded as u32).collect()
+        // fewer than eight: they go alone wherever they stand
+        let rest = rays.len() - rest.len()..rays.len();
+        let coded = by_two_digits(coded, 32).into_iter().map(|coded| coded as u32);
+        coded.chain(rest.map(|place| place as u32)).collect()
     }
 }
 

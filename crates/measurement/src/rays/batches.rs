@@ -14,7 +14,8 @@ use renderer::{RayBatches, RayKind};
 use crate::rays::exactness::{Exactness, is_apart};
 use crate::rays::order::{RayOrder, batch_name};
 
-/// Rays that one thread traces at a time when there are several threads, at least.
+/// Rays that one thread counts at a time and, where each goes alone, traces at a time when there are
+/// several threads.
 pub const CHUNK: usize = 4096;
 
 #[derive(Debug, Clone)]
@@ -304,10 +305,8 @@ pub fn trace<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>], answers: &mut A
 /// Traces a batch in chunks over the current rayon pool. Where rays go together a chunk is an eighth
 /// of a thread's share: the more rays, the more of them run alike.
 pub fn trace_chunked<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>], answers: &mut Answers<S>) {
-    let chunk = match tracer.batches().are_together() && !rays.is_empty() {
-        true => rays.len().div_ceil(8 * rayon::current_num_threads()).next_multiple_of(CHUNK),
-        false => CHUNK,
-    };
+    let eighth = rays.len().div_ceil(8 * rayon::current_num_threads()).next_multiple_of(CHUNK);
+    let chunk = if tracer.batches().are_together() { eighth.max(CHUNK) } else { CHUNK };
     match answers {
         Answers::Hits(hits) => rays
             .par_chunks(chunk)
