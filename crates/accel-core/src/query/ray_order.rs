@@ -200,7 +200,7 @@ impl RayCells {
         }
         // fewer than eight: they go alone wherever they stand
         let rest = rays.len() - rest.len()..rays.len();
-        let coded = by_two_digits(coded, 32).into_iter().map(|coded| coded as u32);
+        let coded = by_two_digits(coded, 32, 1).into_iter().map(|coded| coded as u32);
         coded.chain(rest.map(|place| place as u32)).collect()
     }
 }

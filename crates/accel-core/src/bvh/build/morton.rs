@@ -51,7 +51,7 @@ pub(crate) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
         Item::of(&boxes[number as usize], number)
     };
     let mut items: Vec<Item> = parallel::collect(boxes.len(), item);
-    let clusters = clusters(&keys.clusters(), &mut items);
+    let clusters = clusters(&keys.all_runs(), &mut items);
     drop(keys);
     let head = |number: usize| clusters[number].head(number as u32);
     let mut heads: Vec<Item> = parallel::collect(clusters.len(), head);
@@ -103,40 +103,59 @@ impl Keys {
         (self.keys[place] & ((1 << self.number_bits) - 1)) as u32
     }
 
-    /// The longest runs of codes that begin with the same bits and are no more than [`MOST`], or
-    /// all the same.
-    fn clusters(&self) -> Vec<Range<usize>> {
-        let mut clusters = Vec::with_capacity(self.keys.len() / 8);
+    /// The runs of all codes that are to be clusters; made by all threads.
+    fn all_runs(&self) -> Vec<Range<usize>> {
         let all = 0..self.keys.len();
-        let mut waiting = vec![all];
+        let parts = parallel::parts(all.len());
+        if parts == 1 {
+            return self.runs(all, MOST);
+        }
+        let long = self.runs(all, (self.keys.len() / (8 * parts)).max(MOST));
+        parallel::map(long, &|long| self.runs(long, MOST)).concat()
+    }
+
+    /// The longest runs among these codes that begin with the same bits and are no more than `most`,
+    /// or all the same.
+    fn runs(&self, codes: Range<usize>, most: usize) -> Vec<Range<usize>> {
+        let mut runs = Vec::with_capacity(4 * codes.len() / most);
+        let mut waiting = vec![codes];
         while let Some(range) = waiting.pop() {
             let part = &self.keys[range.clone()];
             let [first, .., last] = part else {
-                clusters.push(range);
+                runs.push(range);
                 continue;
             };
             let differ = first ^ last;
-            if part.len() <= MOST || differ >> self.number_bits == 0 {
-                clusters.push(range);
+            if part.len() <= most || differ >> self.number_bits == 0 {
+                runs.push(range);
                 continue;
             }
             let bit = 1 << differ.ilog2();
             let middle = range.start + part.partition_point(|key| key & bit == 0);
             waiting.extend([middle..range.end, range.start..middle]);
         }
-        clusters
+        runs
     }
 }
 
 /// The keys in order, of which so many bits count.
 fn sorted(mut keys: Vec<u64>, bits: u32) -> Vec<u64> {
-    let lowest = bits.saturating_sub(2 * DIGIT_BITS);
-    if parallel::parts(keys.len()) > 1 || keys.len() < 1 << DIGIT_BITS {
-        parallel::sort(&mut keys);
+    if keys.len() < 1 << DIGIT_BITS {
+        keys.sort_unstable();
         return keys;
     }
-    let mut keys = by_two_digits(keys, lowest);
-    keys.chunk_by_mut(|a, b| a >> lowest == b >> lowest).for_each(<[u64]>::sort_unstable);
+    let lowest = bits.saturating_sub(2 * DIGIT_BITS);
+    let parts = parallel::parts(keys.len());
+    let mut keys = by_two_digits(keys, lowest, parts);
+    // keys with the same digits lie side by side, and are of one part
+    let are_alike = |a: &u64, b: &u64| a >> lowest == b >> lowest;
+    let (size, mut rest, mut parts) = (keys.len().div_ceil(parts), &mut keys[..], Vec::new());
+    while !rest.is_empty() {
+        let last = size.min(rest.len()) - 1;
+        let alike = rest[last..].chunk_by(are_alike).next().map_or(1, <[u64]>::len);
+        parts.extend(rest.split_off_mut(..last + alike));
+    }
+    parallel::map(parts, &|part| part.chunk_by_mut(are_alike).for_each(<[u64]>::sort_unstable));
     keys
 }
 
@@ -227,33 +246,34 @@ fn within(
     let lengths = clusters.iter().map(|cluster| cluster.items);
     let mut slices: Vec<_> = parallel::split_mut(items, lengths).collect();
     let leaves = nodes.all.iter().zip(0..).filter(|(node, _)| node.is_leaf());
-    let sets: Vec<Set<'_>> = leaves
-        .map(|(leaf, node)| {
-            let number = heads[leaf.first_index as usize].number() as usize;
-            let Cluster { first, around, .. } = clusters[number];
-            let items = std::mem::take(&mut slices[number]);
-            Set { items, first, around, level: MOST_CUTS - LEVELS, node }
+    // of each its place, its cluster and the items of that
+    let mut leaves: Vec<(u32, u32, &mut [Item])> = leaves
+        .map(|(leaf, place)| {
+            let number = heads[leaf.first_index as usize].number();
+            (place, number, std::mem::take(&mut slices[number as usize]))
         })
         .collect();
+    let build = |items: &mut [Item], number: u32, node, nodes: &mut Nodes, bins: &mut Bins| {
+        let Cluster { first, around, .. } = clusters[number as usize];
+        let level = MOST_CUTS - LEVELS;
+        Set { items, first, around, level, node }.build(nodes, bins, sizes);
+    };
     if parts == 1 {
         let mut bins = Bins::NONE;
         nodes.all.reserve(items_in_all / 2);
-        sets.into_iter().for_each(|set| set.build(&mut nodes, &mut bins, sizes));
+        let leaves = leaves.into_iter();
+        leaves.for_each(|(at, number, items)| build(items, number, at, &mut nodes, &mut bins));
         return nodes;
     }
-    let size = sets.len().div_ceil(parts);
-    let mut sets = sets.into_iter();
-    let mut parts: Vec<Vec<Set<'_>>> =
-        (0..parts).map(|_| sets.by_ref().take(size).collect()).collect();
-    let built = parallel::map(&mut parts, &|sets| {
-        let room = sets.iter().map(|set| set.items.len()).sum::<usize>() / 2;
+    let size = leaves.len().div_ceil(parts);
+    let built = parallel::map(leaves.chunks_mut(size), &|leaves| {
+        let room = leaves.iter().map(|(_, _, items)| items.len()).sum::<usize>() / 2;
         let (mut nodes, mut bins) = (Nodes::with_root(room), Bins::NONE);
-        let root = |set: Set<'_>| {
-            let place = set.node as usize;
-            Set { node: 0, ..set }.build(&mut nodes, &mut bins, sizes);
-            (place, nodes.all[0])
+        let root = |(place, number, items): &mut (u32, u32, &mut [Item])| {
+            build(items, *number, 0, &mut nodes, &mut bins);
+            (*place as usize, nodes.all[0])
         };
-        let roots: Vec<(usize, Bvh2Node)> = sets.drain(..).map(root).collect();
+        let roots: Vec<(usize, Bvh2Node)> = leaves.iter_mut().map(root).collect();
         (roots, nodes)
     });
     nodes.grafted(built)
@@ -292,7 +312,7 @@ mod tests {
         let first = boxes[0];
         boxes[..100].fill(first);
         let keys = Keys::of(&boxes);
-        let runs = keys.clusters();
+        let runs = keys.all_runs();
         assert_eq!(runs.iter().map(|run| run.len()).sum::<usize>(), boxes.len());
         assert!(runs.windows(2).all(|pair| pair[0].end == pair[1].start));
         let code = |place: usize| keys.keys[place] >> keys.number_bits;
