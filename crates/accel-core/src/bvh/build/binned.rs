@@ -64,31 +64,31 @@ pub(super) fn insert_upper_anew(bvh: &mut Bvh2, nodes: &mut [u32]) {
 fn insert_anew(bvh: &mut Bvh2, nodes: &mut [u32], rounds: impl IntoIterator<Item = (usize, f64)>) {
     // in which order they come depends on the number of threads, and so would their sum
     parallel::sort(nodes);
-    let half_area = |bvh: &Bvh2, node: u32| bvh.nodes[node as usize].aabb().half_area();
-    let area =
-        |bvh: &Bvh2| -> f64 { nodes.iter().map(|&node| f64::from(half_area(bvh, node))).sum() };
     let mut reinsertion = ReinsertionOptimizer::default();
-    let (mut by_area, mut largest) = (Vec::with_capacity(nodes.len()), Vec::new());
-    let mut before = area(bvh);
+    // after the round before; none before the first
+    let mut most_area = f64::INFINITY;
     for (part, least_gain) in rounds {
         let most = nodes.len() / part;
         if most == 0 {
             return;
         }
         // areas are not negative: their bits are in their order
-        let key = |&node: &u32| u64::from(!half_area(bvh, node).to_bits()) << 32 | u64::from(node);
-        by_area.clear();
-        by_area.extend(nodes.iter().map(key));
-        by_area.select_nth_unstable(most - 1);
-        by_area[..most].sort_unstable();
-        largest.clear();
-        largest.extend(by_area[..most].iter().map(|&key| key as u32));
-        reinsertion.run_with_candidates(bvh, &largest, 1);
-        let after = area(bvh);
-        if after > (1.0 - least_gain) * before {
+        let key = |i: usize| {
+            let node = nodes[i];
+            let area = bvh.nodes[node as usize].aabb().half_area();
+            u64::from(!area.to_bits()) << 32 | u64::from(node)
+        };
+        let mut by_area = parallel::collect(nodes.len(), key);
+        let area_of = |key: &u64| f64::from(f32::from_bits(!(key >> 32) as u32));
+        let area: f64 = by_area.iter().map(area_of).sum();
+        if area > most_area {
             return;
         }
-        before = after;
+        most_area = (1.0 - least_gain) * area;
+        by_area.select_nth_unstable(most - 1);
+        by_area[..most].sort_unstable();
+        let largest: Vec<u32> = by_area[..most].iter().map(|&key| key as u32).collect();
+        reinsertion.run_with_candidates(bvh, &largest, 1);
     }
 }
 
