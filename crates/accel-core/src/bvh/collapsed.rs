@@ -19,29 +19,34 @@ pub(super) struct CollapsedTree {
     ends: Vec<usize>,
 }
 
+/// A subtree that became a child of a node.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Child {
+    pub(super) subtree: u32,
+    /// A node's number, or a leaf's with [`LEAF`].
+    pub(super) place: u32,
+    /// That of its box.
+    half_area: f32,
+}
+
 /// A node that is no leaf.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct CollapsedNode {
-    /// The subtrees that became its children, so many.
-    subtrees: [u32; WIDTH],
-    /// Node numbers, or leaf numbers with [`LEAF`].
-    places: [u32; WIDTH],
-    children: usize,
+    children: [Child; WIDTH],
+    /// It has so many of them.
+    number: usize,
     /// What its children add up to; none until they are in order.
     sum: Option<Areas>,
 }
 
 impl CollapsedNode {
-    const NONE: Self = Self { subtrees: [0; WIDTH], places: [0; WIDTH], children: 0, sum: None };
-
-    /// Its children: of each the subtree and which node or leaf it is.
-    pub(super) fn children(&self) -> impl Iterator<Item = (u32, u32)> {
-        self.subtrees.into_iter().zip(self.places).take(self.children)
+    pub(super) fn children(&self) -> &[Child] {
+        &self.children[..self.number]
     }
 
     /// The same node where the numbers of nodes and of leaves are larger by so much.
     fn moved(mut self, (nodes, leaves): (u32, u32)) -> Self {
-        for place in &mut self.places[..self.children] {
+        for Child { place, .. } in &mut self.children[..self.number] {
             *place += if *place & LEAF == 0 { nodes } else { leaves };
         }
         self
@@ -61,13 +66,14 @@ impl CollapsedTree {
         }
         // a level of eight-wide nodes is three of binary ones
         let forked = Self::forked(collapse, 0, parallel::forks().div_ceil(3));
-        Self::joined(collapse, &forked.pieces(|tree| tree.nodes.len()))
+        Self::joined(&forked.pieces(|tree| tree.nodes.len()))
     }
 
-    fn joined(collapse: &Collapse<'_>, pieces: &[(usize, Self)]) -> Self {
+    fn joined(pieces: &[(usize, Self)]) -> Self {
         // nodes and leaves in front of a piece, and ids
         let (mut shift, mut ids_in_front) = ((0, 0), 0);
-        let (mut roots, mut nodes) = (Vec::new(), vec![(&[CollapsedNode::NONE][..], shift)]);
+        let root = [CollapsedNode::default()];
+        let (mut roots, mut nodes) = (Vec::new(), vec![(&root[..], shift)]);
         let (mut ids, mut ends) = (Vec::new(), Vec::new());
         for (place, tree) in pieces {
             roots.push((*place, tree.nodes[0].moved(shift)));
@@ -86,7 +92,7 @@ impl CollapsedTree {
         for (place, root) in roots.into_iter().rev() {
             tree.nodes[place] = root;
             if root.sum.is_none() {
-                tree.order(collapse, place);
+                tree.order(place);
             }
         }
         tree
@@ -96,7 +102,7 @@ impl CollapsedTree {
     /// the other.
     fn forked(collapse: &Collapse<'_>, root: u32, forks: u32) -> ForkedTree<Self> {
         let (mut tree, mut ids) = (Self::default(), Vec::new());
-        tree.nodes.push(CollapsedNode::NONE);
+        tree.nodes.push(CollapsedNode::default());
         let mut waiting = vec![(0, root)];
         while let Some((number, subtree)) = waiting.pop() {
             tree.add_children(collapse, number, subtree, &mut waiting, &mut ids);
@@ -105,7 +111,7 @@ impl CollapsedTree {
             }
         }
         if forks == 0 {
-            (0..tree.nodes.len()).rev().for_each(|number| tree.order(collapse, number));
+            (0..tree.nodes.len()).rev().for_each(|number| tree.order(number));
         }
         waiting.reverse();
         let below = |&(number, subtree): &(usize, u32)| {
@@ -124,18 +130,20 @@ impl CollapsedTree {
         below: &mut Vec<u32>,
     ) {
         let (subtrees, n) = collapse.children(subtree);
-        let mut places = [0; WIDTH];
-        for (place, &child) in places.iter_mut().zip(&subtrees[..n]) {
-            if collapse.is_leaf(child) {
-                *place = LEAF | self.ends.len() as u32;
-                self.add_leaf(collapse, child, below);
+        let mut children = [Child::default(); WIDTH];
+        for (child, &subtree) in children.iter_mut().zip(&subtrees[..n]) {
+            let half_area = collapse.bounds(subtree).half_area();
+            let place = if collapse.is_leaf(subtree) {
+                self.add_leaf(collapse, subtree, below);
+                LEAF | (self.ends.len() - 1) as u32
             } else {
-                *place = self.nodes.len() as u32;
-                waiting.push((self.nodes.len(), child));
-                self.nodes.push(CollapsedNode::NONE);
-            }
+                waiting.push((self.nodes.len(), subtree));
+                self.nodes.push(CollapsedNode::default());
+                (self.nodes.len() - 1) as u32
+            };
+            *child = Child { subtree, place, half_area };
         }
-        self.nodes[number] = CollapsedNode { subtrees, places, children: n, sum: None };
+        self.nodes[number] = CollapsedNode { children, number: n, sum: None };
     }
 
     fn add_leaf(&mut self, collapse: &Collapse<'_>, subtree: u32, below: &mut Vec<u32>) {
@@ -145,12 +153,12 @@ impl CollapsedTree {
 
     /// Brings the children of a node into the order in which shadow rays ask them; nodes below it
     /// are in order.
-    fn order(&mut self, collapse: &Collapse<'_>, number: usize) {
+    fn order(&mut self, number: usize) {
         let mut node = self.nodes[number];
         let mut sum = Areas { all: 0.0, leaves: 0.0 };
-        let mut children = [(0.0, 0, 0); WIDTH];
-        for (child, (subtree, place)) in children.iter_mut().zip(node.children()) {
-            let own = collapse.bounds(subtree).half_area();
+        let mut by_worth = [(0.0, Child::default()); WIDTH];
+        for (slot, &child) in by_worth.iter_mut().zip(node.children()) {
+            let (own, place) = (child.half_area, child.place);
             let leaf = Areas { all: own, leaves: own };
             let below = match place & LEAF {
                 0 => self.nodes[place as usize].sum.map_or(leaf, |sum| sum.within(own)),
@@ -158,13 +166,10 @@ impl CollapsedTree {
             };
             sum.all += below.all;
             sum.leaves += below.leaves;
-            *child = (below.hits_per_cost(own), subtree, place);
+            *slot = (below.hits_per_cost(own), child);
         }
-        let children = &mut children[..node.children];
-        children.sort_by(|(a, ..), (b, ..)| b.total_cmp(a));
-        for (k, &(_, subtree, place)) in children.iter().enumerate() {
-            (node.subtrees[k], node.places[k]) = (subtree, place);
-        }
+        by_worth[..node.number].sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        node.children = by_worth.map(|(_, child)| child);
         node.sum = Some(sum);
         self.nodes[number] = node;
     }
@@ -206,12 +211,13 @@ mod tests {
     use crate::bvh::items::Groups;
 
     /// What each child costs and hits, counted from the leaves up by itself.
-    fn areas(tree: &CollapsedTree, collapse: &Collapse<'_>, (subtree, place): (u32, u32)) -> Areas {
-        let own = collapse.bounds(subtree).half_area();
-        if place & LEAF != 0 {
+    fn areas(tree: &CollapsedTree, collapse: &Collapse<'_>, child: &Child) -> Areas {
+        let own = collapse.bounds(child.subtree).half_area();
+        if child.place & LEAF != 0 {
             return Areas { all: own, leaves: own };
         }
-        let below = tree.nodes[place as usize].children().map(|child| areas(tree, collapse, child));
+        let children = tree.nodes[child.place as usize].children().iter();
+        let below = children.map(|child| areas(tree, collapse, child));
         below.fold(Areas { all: own, leaves: 0.0 }, |sum, child| Areas {
             all: sum.all + child.all,
             leaves: sum.leaves + child.leaves,
@@ -228,7 +234,9 @@ mod tests {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
         let forked = pool.install(|| CollapsedTree::of(&collapse));
         let children = |tree: &CollapsedTree| {
-            tree.nodes.iter().map(|node| (node.subtrees, node.places)).collect::<Vec<_>>()
+            let of_node =
+                |node: &CollapsedNode| node.children.map(|child| (child.subtree, child.place));
+            tree.nodes.iter().map(of_node).collect::<Vec<_>>()
         };
         assert!(children(&tree) == children(&forked));
         let (mut moved, mut pairs) = (0, 0);
@@ -238,18 +246,19 @@ mod tests {
                 continue;
             }
             let node = &tree.nodes[place as usize];
-            waiting.extend(node.children().map(|(subtree, place)| (place, subtree)));
+            waiting.extend(node.children().iter().map(|child| (child.place, child.subtree)));
             let (mut planned, n) = collapse.children(subtree);
-            let mut subtrees = node.subtrees;
-            moved += usize::from(planned[..n] != subtrees[..n]);
+            let mut subtrees: Vec<u32> =
+                node.children().iter().map(|child| child.subtree).collect();
+            moved += usize::from(planned[..n] != subtrees);
             planned[..n].sort_unstable();
-            subtrees[..n].sort_unstable();
-            assert_eq!(planned[..n], subtrees[..n]);
-            let worth = |child: (u32, u32)| {
-                let own = collapse.bounds(child.0).half_area();
+            subtrees.sort_unstable();
+            assert_eq!(planned[..n], subtrees);
+            let worth = |child: &Child| {
+                let own = collapse.bounds(child.subtree).half_area();
                 f64::from(areas(&tree, &collapse, child).hits_per_cost(own))
             };
-            let worths: Vec<f64> = node.children().map(worth).collect();
+            let worths: Vec<f64> = node.children().iter().map(worth).collect();
             for pair in worths.windows(2) {
                 // sums in another order
                 assert!(pair[0] > pair[1] - 1e-4, "{worths:?}");

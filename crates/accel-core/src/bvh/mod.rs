@@ -216,10 +216,10 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         };
         let node = |number: usize| {
             let mut node = Node::empty();
-            for (k, (subtree, to)) in collapsed.nodes[number].children().enumerate() {
-                let aabb = collapse.bounds(subtree);
+            for (k, child) in collapsed.nodes[number].children().iter().enumerate() {
+                let aabb = collapse.bounds(child.subtree);
                 node.set_box(k, aabb.min.to_array(), aabb.max.to_array());
-                node.children[k] = place(to);
+                node.children[k] = place(child.place);
             }
             node
         };
