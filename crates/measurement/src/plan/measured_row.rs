@@ -188,9 +188,11 @@ impl<S: Buildable> BuiltRow<'_, S> {
         }
     }
 
-    /// Rays of a batch that one thread asks at a time; of a foreign structure all.
-    pub fn chunk(&self, batch: &Batch<'_, S>) -> usize {
-        if self.foreign().is_some() { batch.rays.len().max(1) } else { CHUNK }
+    /// Rays of a batch that one thread counts at a time, whatever the number of threads. Packets are
+    /// made of all of them, as where one thread is timed; a foreign structure divides them itself.
+    fn chunk(&self, batch: &Batch<'_, S>) -> usize {
+        let is_whole = self.foreign().is_some() || self.batches() == Batches::Packets;
+        if is_whole { batch.rays.len().max(1) } else { CHUNK }
     }
 
     /// Seconds that it takes to answer a batch: in one call, or with several threads in chunks over

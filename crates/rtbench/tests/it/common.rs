@@ -109,11 +109,13 @@ pub fn files_below(path: &Path) -> Vec<PathBuf> {
 
 /// Fault planted into the batches of a structure.
 pub trait BatchFault: Send + Sync + 'static {
+    const BATCHES: Batches = Batches::Together;
+
     /// Answers the rays of a batch.
     fn answer<S: Scalar, P: PrimSet<S>>(prims: &P, batch: &mut RayBatch<'_, S>);
 }
 
-/// Brute force, right ray by ray, whose batches have a fault.
+/// Brute force, right ray by ray, whose batches have a fault; of each it counts a step.
 pub struct Batched<S, F> {
     ids: Vec<u32>,
     of: std::marker::PhantomData<(S, F)>,
@@ -132,7 +134,7 @@ impl<S: Scalar, F: BatchFault> Structure<S> for Batched<S, F> {
     }
 
     fn batches<P: PrimSet<S>>(&self, _: &P, _: Option<&ListBlocks<S>>) -> Batches {
-        Batches::Together
+        F::BATCHES
     }
 
     fn answer_batch<P: PrimSet<S>, C: Counters>(
@@ -142,7 +144,9 @@ impl<S: Scalar, F: BatchFault> Structure<S> for Batched<S, F> {
         mut batch: RayBatch<'_, S>,
     ) -> C {
         F::answer(prims, &mut batch);
-        C::default()
+        let mut work = C::default();
+        work.inner_step();
+        work
     }
 
     fn stats(&self) -> StructureStats {

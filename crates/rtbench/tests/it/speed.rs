@@ -7,7 +7,7 @@ use crate::common::{
     BatchFault, Batched, Ended, Folder, answered_by_brute_force, planted, row, run_with,
 };
 use accel_core::primitives::PrimSet;
-use accel_core::structure::{BatchAnswers, RayBatch, StructureInfo};
+use accel_core::structure::{BatchAnswers, Batches, RayBatch, StructureInfo};
 use accel_core::structures::{Entry, REGISTRY, obvhs};
 use accel_core::{Hit, Scalar, Vector};
 use measurement::record::query::Query;
@@ -208,6 +208,42 @@ fn a_structure_that_is_wrong_in_shuffled_order_alone_is_found() {
         let ended = run(order);
         assert_eq!(ended.code, 4, "{order}: {}{}", ended.out, ended.err);
         assert!(ended.out.contains("wrong: "), "{}", ended.out);
+    }
+}
+
+/// Right, in packets.
+struct InPackets;
+
+impl BatchFault for InPackets {
+    const BATCHES: Batches = Batches::Packets;
+
+    fn answer<S: Scalar, P: PrimSet<S>>(prims: &P, batch: &mut RayBatch<'_, S>) {
+        answered_by_brute_force(prims, batch);
+    }
+}
+
+type OfPackets<S> = Batched<S, InPackets>;
+
+static PACKETS: StructureInfo = planted("of-packets", "answers all rays of a batch at once");
+
+#[test]
+fn packets_are_counted_of_whole_batches_by_any_number_of_threads() {
+    let registry = &[
+        accel_core::entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
+        accel_core::entry!(crate::speed::OfPackets, PACKETS, prepare_compiled, false),
+    ];
+    for threads in [1, 3] {
+        let folder = Folder::new();
+        let arguments = format!(
+            "run tetra:2 --size 80 --rounds 1 --rays primary -s of-packets --pass-limit 100s -j {threads} -o {}",
+            folder.path()
+        );
+        let ended = run_over(registry, &arguments);
+        assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
+        let record = folder.record();
+        let row = row(&record, "of-packets");
+        let steps = row.work.as_ref().unwrap().traversal_steps;
+        assert_eq!((row.rays, steps), (6400, 1), "{threads} threads");
     }
 }
 
