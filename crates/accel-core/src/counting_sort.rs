@@ -21,23 +21,48 @@ fn by_digit(numbers: Vec<u64>, lowest: u32, parts: usize) -> Vec<u64> {
         counts
     };
     let size = numbers.len().div_ceil(parts).max(1);
-    let mut places = map(numbers.chunks(size), &counted);
-    // of each digit those of the first part come first
-    let mut sum = 0;
-    for digit in 0..1 << DIGIT_BITS {
-        for places in &mut places {
-            sum += std::mem::replace(&mut places[digit], sum);
-        }
-    }
+    let mut ends = map(numbers.chunks(size), &counted);
+    turn_parts_into_ends(&mut ends);
     let sorted: Vec<AtomicU64> = bytemuck::zeroed_vec(numbers.len());
-    map(numbers.chunks(size).zip(&mut places), &|(numbers, places)| {
-        for &number in numbers {
-            let place = &mut places[digit(number)];
-            sorted[*place as usize].store(number, Relaxed);
-            *place += 1;
+    map(numbers.chunks(size).zip(&mut ends), &|(numbers, ends)| {
+        for &number in numbers.iter().rev() {
+            let end = &mut ends[digit(number)];
+            *end -= 1;
+            sorted[*end as usize].store(number, Relaxed);
         }
     });
     sorted.into_iter().map(AtomicU64::into_inner).collect()
+}
+
+/// Turns the counts of each part into where its numbers end in the one array: cell after cell (or
+/// digit), in each cell part after part.
+pub(crate) fn turn_parts_into_ends<C: AsMut<[u32]>>(counts: &mut [C]) {
+    // as many stretches of cells as parts, each with the counts of all parts
+    let cells = counts.first_mut().map_or(0, |counts| counts.as_mut().len());
+    let length = cells.div_ceil(counts.len().max(1)).max(1);
+    let mut stretches: Vec<Vec<&mut [u32]>> = (0..cells.div_ceil(length)).map(|_| vec![]).collect();
+    for part in counts {
+        for (stretch, counts) in stretches.iter_mut().zip(part.as_mut().chunks_mut(length)) {
+            stretch.push(counts);
+        }
+    }
+    let sums: Vec<u32> =
+        map(&stretches, &|parts| parts.iter().map(|counts| counts.iter().sum::<u32>()).sum());
+    let before = sums.iter().scan(0, |sum, n| {
+        let before = *sum;
+        *sum += n;
+        Some(before)
+    });
+    let before: Vec<u32> = before.collect();
+    map(stretches.into_iter().zip(before), &|(mut parts, mut sum)| {
+        let length = parts.first().map_or(0, |counts| counts.len());
+        for cell in 0..length {
+            for counts in &mut parts {
+                sum += counts[cell];
+                counts[cell] = sum;
+            }
+        }
+    });
 }
 
 #[cfg(test)]

@@ -130,7 +130,7 @@ impl<'a> Collapse<'a> {
 
     /// The choices, and the tree's levels.
     fn choices(bvh: &Bvh2, groups: &Groups, costs: Costs) -> (Vec<Choice>, u32) {
-        let choices = (0..bvh.nodes.len() / 2 + 1).map(|_| AtomicU64::new(0)).collect();
+        let choices = bytemuck::zeroed_vec(bvh.nodes.len() / 2 + 1);
         let planner = CollapsePlanner { bvh, groups, costs, choices };
         let root = planner.subtree(0, forks());
         let choices = planner.choices.into_iter().map(|bits| Choice(bits.into_inner())).collect();

@@ -12,6 +12,7 @@
 use std::ops::Range;
 use std::sync::atomic::AtomicU32;
 
+use crate::counting_sort::turn_parts_into_ends;
 use crate::parallel::{map, parts, ranges};
 
 /// Counters of all parts together may take as much memory as this for each primitive.
@@ -89,37 +90,6 @@ pub(super) fn filled(
     let shared = shared(&mut numbers);
     map(cursors.iter_mut().zip(parts), &|(cursors, part)| fill(part, cursors, shared));
     Ok((cursors.into_iter().next().unwrap_or_default(), numbers))
-}
-
-/// Turns the counts of each part into where its ids end in the one array: cell after cell, in each
-/// cell part after part.
-fn turn_parts_into_ends(counts: &mut [Vec<u32>]) {
-    // as many stretches of cells as parts, each with the counts of all parts
-    let cells = counts.first().map_or(0, Vec::len);
-    let length = cells.div_ceil(counts.len().max(1)).max(1);
-    let mut stretches: Vec<Vec<&mut [u32]>> = (0..cells.div_ceil(length)).map(|_| vec![]).collect();
-    for part in counts {
-        for (stretch, counts) in stretches.iter_mut().zip(part.chunks_mut(length)) {
-            stretch.push(counts);
-        }
-    }
-    let sums: Vec<u32> =
-        map(&stretches, &|parts| parts.iter().map(|counts| counts.iter().sum::<u32>()).sum());
-    let before = sums.iter().scan(0, |sum, n| {
-        let before = *sum;
-        *sum += n;
-        Some(before)
-    });
-    let before: Vec<u32> = before.collect();
-    map(stretches.into_iter().zip(before), &|(mut parts, mut sum)| {
-        let length = parts.first().map_or(0, |counts| counts.len());
-        for cell in 0..length {
-            for counts in &mut parts {
-                sum += counts[cell];
-                counts[cell] = sum;
-            }
-        }
-    });
 }
 
 /// The same numbers, to be written by several threads, each in places of its own.

@@ -14,6 +14,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::ploc::morton::morton_encode_u64;
+use rayon::prelude::*;
 
 use super::binned::{MANY, insert_upper_anew};
 use super::boxes::{Item, SetBounds};
@@ -147,15 +148,11 @@ fn sorted(mut keys: Vec<u64>, bits: u32) -> Vec<u64> {
     let lowest = bits.saturating_sub(2 * DIGIT_BITS);
     let parts = parallel::parts(keys.len());
     let mut keys = by_two_digits(keys, lowest, parts);
-    // keys with the same digits lie side by side, and are of one part
     let are_alike = |a: &u64, b: &u64| a >> lowest == b >> lowest;
-    let (size, mut rest, mut parts) = (keys.len().div_ceil(parts), &mut keys[..], Vec::new());
-    while !rest.is_empty() {
-        let last = size.min(rest.len()) - 1;
-        let alike = rest[last..].chunk_by(are_alike).next().map_or(1, <[u64]>::len);
-        parts.extend(rest.split_off_mut(..last + alike));
+    match parts {
+        1 => keys.chunk_by_mut(are_alike).for_each(<[u64]>::sort_unstable),
+        _ => keys.par_chunk_by_mut(are_alike).for_each(<[u64]>::sort_unstable),
     }
-    parallel::map(parts, &|part| part.chunk_by_mut(are_alike).for_each(<[u64]>::sort_unstable));
     keys
 }
 
